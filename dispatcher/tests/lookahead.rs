@@ -41,7 +41,7 @@ impl Effects for Heard {
 
 /// A look-ahead with the entries that wait, which a queue has in the store of its FIFO.
 pub struct Ahead<const N: usize> {
-    look: Box<LookAhead<N>>,
+    look: Box<LookAhead<N, N>>,
     waiting: VecDeque<PathEntry>,
     others: u16,
 }
@@ -292,7 +292,7 @@ fn what_is_handed_over_is_final() {
 /// Sizes that a board has to find room for.
 #[test]
 fn sizes() {
-    assert!(size_of::<LookAhead<256>>() <= 40 << 10, "{}", size_of::<LookAhead<256>>());
+    assert!(size_of::<LookAhead<256, 0>>() <= 40 << 10, "{}", size_of::<LookAhead<256, 0>>());
     // It holds the next motion, with its plan and first piece, beside the running one.
     assert!(size_of::<Path>() <= 3 << 10, "{}", size_of::<Path>());
     assert_eq!(size_of::<PathEntry>(), 32);

@@ -603,5 +603,14 @@ pub fn widths(fields: &[(&str, &str)]) -> usize {
 
 /// The row of the table with this number.
 pub fn info(opcode: u16) -> Option<&'static CommandInfo> {
-    COMMANDS.iter().find(|command| command.opcode == opcode)
+    let row = COMMANDS.binary_search_by_key(&opcode, |command| command.opcode).ok()?;
+    COMMANDS.get(row)
 }
+
+const _: () = {
+    let mut row = 1;
+    while row < COMMANDS.len() {
+        assert!(COMMANDS[row - 1].opcode < COMMANDS[row].opcode, "commands stand in the order of their numbers");
+        row += 1;
+    }
+};

@@ -22,16 +22,16 @@
 #[macro_export]
 macro_rules! state {
     (
-        $(#[$of:meta])* $vis:vis struct $name:ident $(<$($life:lifetime)? $(,)? $(const $size:ident: usize)?>)? {
+        $(#[$of:meta])* $vis:vis struct $name:ident $(<$($life:lifetime)? $(,)? $(const $size:ident: usize),*>)? {
             $($(#[$about:meta])* $reach:vis $field:ident: $type:ty = $value:expr,)+
         }
         $($first:tt)+
     ) => {
         $(#[$of])*
-        $vis struct $name $(<$($life,)? $(const $size: usize)?>)? {
+        $vis struct $name $(<$($life,)? $(const $size: usize),*>)? {
             $($(#[$about])* $reach $field: $type,)+
         }
-        impl $(<$($life,)? $(const $size: usize)?>)? $name $(<$($life,)? $($size)?>)? {
+        impl $(<$($life,)? $(const $size: usize),*>)? $name $(<$($life,)? $($size),*>)? {
             $crate::state! { @first $($first)+ { $($field: $value,)+ } }
         }
     };

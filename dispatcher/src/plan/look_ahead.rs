@@ -35,7 +35,7 @@ use super::geometry::{Geometry, Position};
 use heapless::Vec;
 use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
-use reachable::{BOUNDS_MAX, Bound, ChosenMotion, Corner, EndSpeed, Span};
+use reachable::{BOUNDS_MAX, Bound, ChosenMotion, Corner, EndSpeed, Span, Steps, rounded_down};
 use rounding::Chords;
 use servo::path::{MotionSpeeds, PathEntry, Plane};
 
@@ -182,12 +182,6 @@ fn packed_high(high: f64, cap: f64) -> f32 {
     if high >= cap { f32::INFINITY } else { rounded_down(high) }
 }
 
-/// A positive number as the nearest f32 that is not greater.
-fn rounded_down(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) > x { f32::from_bits(near.to_bits() - 1) } else { near }
-}
-
 /// What a plan makes of the first motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Planned {
@@ -209,14 +203,17 @@ struct UndecidedJunction {
 }
 
 servo::state! {
-    /// Motions that wait for what follows them. `N` is a power of two.
+    /// Motions that wait for what follows them. `N` is a power of two. Of `STEPS` motions it keeps
+    /// steps of earlier plans, which saves time and changes nothing: of all, or of none.
     #[derive(Debug, Clone)]
-    pub struct LookAhead<const N: usize> {
+    pub struct LookAhead<const N: usize, const STEPS: usize> {
         limits: Limits = {
             const { assert!(N.is_power_of_two(), "slots are counted modulo a power of two") };
             limits
         },
         slots: [WaitingMotion; N] = [WaitingMotion::EMPTY; N],
+        /// By the slots.
+        steps: [Steps; STEPS] = [Steps::NONE; STEPS],
         /// Counters of the first motion, and of the one after the last.
         first: usize = 0,
         end: usize = 0,
@@ -242,7 +239,7 @@ servo::state! {
     pub const fn new(limits: Limits);
 }
 
-impl<const N: usize> LookAhead<N> {
+impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     /// Whether so much has come since the last plan that another is worth its time: it may go over
     /// all motions. A stop makes what is before it final.
     pub fn is_plan_due(&self) -> bool {
@@ -306,6 +303,7 @@ impl<const N: usize> LookAhead<N> {
         if let Some(slot) = self.slots.get_mut(self.end & (N - 1)) {
             *slot = motion;
         }
+        self.forget_steps(self.end);
         self.end = self.end.wrapping_add(1);
         (self.stale, self.came) = (true, self.came.saturating_add(1));
         self.decide(self.first);
@@ -346,9 +344,20 @@ impl<const N: usize> LookAhead<N> {
                     motion.start = start;
                     motion.set(EITHER, either);
                 }
+                self.forget_steps(slot);
                 (self.changed, self.stale) = (self.changed.or(Some(slot)), true);
             }
             self.pass_unsure();
+        }
+    }
+
+    /// The junction at the start of this motion is another now.
+    #[inline]
+    fn forget_steps(&mut self, counter: usize) {
+        for counter in [counter.wrapping_sub(1), counter] {
+            if let Some(steps) = self.steps.get_mut(counter & (N - 1)) {
+                *steps = Steps::NONE;
+            }
         }
     }
 
@@ -469,13 +478,20 @@ impl<const N: usize> LookAhead<N> {
                 return;
             }
             let cap = motion.start.cap;
-            let mut span = Span::new(motion.length.into(), motion.acc.into());
-            self.each_bound(motion, &end, |bound| span.keep(&bound));
-            let (high, free) = span.back(after, cap);
-            let packed = packed_high(high, cap);
+            let known = self.steps.get(counter & (N - 1)).and_then(|steps| steps.back(after));
+            let (step, steps) = match known {
+                Some(step) => (step, None),
+                None => {
+                    let mut span = Span::new(motion.length.into(), motion.acc.into());
+                    self.each_bound(motion, &end, |bound| span.keep(&bound));
+                    let (step, steps) = span.back(after, cap);
+                    (step, Some(steps))
+                }
+            };
+            let packed = packed_high(step.high, cap);
             let sure = self.is_sure(counter);
             // Nothing raises a standstill.
-            settled = (settled || free) && sure && end_sure || cap == 0.0;
+            settled = (settled || step.settled) && sure && end_sure || cap == 0.0;
             if packed == motion.high && !settled && same {
                 return;
             }
@@ -484,6 +500,9 @@ impl<const N: usize> LookAhead<N> {
                 motion.high = packed;
                 motion.set(SETTLED, settled);
                 after = motion.high();
+            }
+            if let Some((kept, steps)) = self.steps.get_mut(counter & (N - 1)).zip(steps) {
+                *kept = steps;
             }
             end_sure = sure;
         }

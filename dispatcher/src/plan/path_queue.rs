@@ -16,6 +16,7 @@ use servo::path::{ENTRIES, EntryContent, EntryStore, MotionSpeeds, PathEntry};
 use servo::view::CrdView;
 
 pub use crate::capacity::LOOK_AHEAD_MOTIONS;
+use crate::capacity::LOOK_AHEAD_STEPS;
 
 /// The tick's data of a running path lasts at least this long, if there is more, ms. That is longer
 /// than the thread is ever away.
@@ -73,7 +74,7 @@ pub struct Destination<'x> {
 servo::state! {
     /// The data of one FIFO before the tick. All its bytes are zero at the beginning.
     pub struct PathQueue {
-        look: LookAhead<LOOK_AHEAD_MOTIONS> = LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
+        look: LookAhead<LOOK_AHEAD_MOTIONS, LOOK_AHEAD_STEPS> = LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
         /// How long each entry lasts, by its counter.
         times: [PackedDuration; ENTRIES] = [PackedDuration::NONE; ENTRIES],
         /// The sum of those that are not over.

@@ -6,7 +6,7 @@
 //! changes nothing but their cost; an item that is refused still finds its line. Short runs are
 //! left to the client, which joins them with what is between them. Steps that cannot be read any
 //! more end the script there.
-use crate::points::records;
+use crate::points::{is_record, records};
 use crate::source::Steps;
 use crate::totals::Totals;
 use client::Call;
@@ -213,7 +213,11 @@ impl<'s> Entries<'s> {
             }
             Action::Call(call) => {
                 let call = Call { opcode: call.opcode, payload: call.body.clone(), may_fail: call.may_fail };
-                self.due.extend(records(call).into_iter().map(|call| Entry { call, from: from.clone() }));
+                if is_record(&call.payload) {
+                    self.push(call, from);
+                } else {
+                    self.due.extend(records(call).into_iter().map(|call| Entry { call, from: from.clone() }));
+                }
             }
         }
         self.keep(step);

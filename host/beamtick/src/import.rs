@@ -106,8 +106,9 @@ pub struct Found {
 }
 
 /// The job that a program or a drawing is; notes go to the error stream. `plot` is a
-/// picture of its path, drawn also where the path leaves the travel.
-pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found, Failure> {
+/// picture of its path, drawn also where the path leaves the travel. Of a program that is not
+/// `timed` it is not told how long it takes.
+pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>, timed: bool) -> Result<Found, Failure> {
     let name = path.display().to_string();
     let Some(file) = &drawing.machine else {
         return Err(Failure::Input(format!(
@@ -127,10 +128,10 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Found,
     let unread = |error: io::Error| Failure::Input(format!("{name}: it cannot be read: {error}"));
     let kind = kind(path).map_err(unread)?.unwrap_or(Kind::Program);
     let found = match picture {
-        None => made((&name, kind), path, &machine, drawing, None),
+        None => made((&name, kind), path, &machine, (drawing, timed), None),
         Some((output, mut preview)) => {
             let mut show = |[x, y, _]: [f64; 3], lit: bool| preview.line((x, y), lit);
-            let found = made((&name, kind), path, &machine, drawing, Some(&mut show));
+            let found = made((&name, kind), path, &machine, (drawing, timed), Some(&mut show));
             draw(output, preview, found.as_ref())?;
             found
         }
@@ -155,7 +156,7 @@ fn made(
     (name, kind): (&str, Kind),
     path: &Path,
     machine: &Machine,
-    drawing: &Drawing,
+    (drawing, timed): (&Drawing, bool),
     watch: Option<Watch<'_>>,
 ) -> Result<Made, String> {
     let what = if kind == Kind::Program { "program" } else { "drawing" };
@@ -173,7 +174,7 @@ fn made(
             Err(format!("{name}: --layer and --at are for drawings; a program says both itself"))
         }
         _ => {
-            let options = gcode::Options { pass_stops: drawing.pass_stops };
+            let options = gcode::Options { pass_stops: drawing.pass_stops, untimed: !timed };
             let mut lines = input::open(path, Role::Job).map_err(unread)?;
             let mut text = tempfile::spooled_tempfile(script::IN_MEMORY_BYTES);
             let (notes, extent) = gcode::import_to(name, &mut lines, machine, options, watch, &mut text)?;
@@ -241,7 +242,7 @@ pub fn import(arguments: &Import) -> Result<(), Failure> {
     let to_file = (!input::is_standard(to)).then_some(("--output", to.as_path(), false));
     let outputs = plot.map(|plot| ("--plot", plot, true)).into_iter().chain(to_file);
     output::check(&read, &outputs.collect::<Vec<_>>())?;
-    let found = job(&arguments.program, &arguments.drawing, plot)?;
+    let found = job(&arguments.program, &arguments.drawing, plot, true)?;
     complain!("{name}: {}", found.extent);
     let mut reader = found.script.reader();
     let failed = |error: io::Error| Failure::Job(format!("{}: cannot be written: {error}", to.display()));

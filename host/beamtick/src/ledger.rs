@@ -184,7 +184,7 @@ mod tests {
     }
 
     fn opened(path: &std::path::Path) -> Source {
-        Source::open(path, &Drawing::default()).unwrap()
+        Source::open(path, &Drawing::default(), true).unwrap()
     }
 
     /// An entry that was answered long ago has the step that it had when it was sent.

@@ -39,7 +39,7 @@ struct PathFacts {
     /// Of what may be lit.
     marks: Vec<RangeFacts>,
     /// The time that it takes, s.
-    seconds: f64,
+    seconds: Option<f64>,
     #[serde(skip)]
     text: String,
 }
@@ -133,7 +133,7 @@ fn steps(source: &Source) -> Result<Vec<StepFacts>, Failure> {
 
 /// Prints a line for each step: line of the script, script clock, what is done.
 pub fn check(arguments: &Check) -> Result<(), Failure> {
-    let source = Source::open_drawn(&arguments.job, &arguments.drawing, arguments.plot.as_deref())?;
+    let source = Source::open_drawn(&arguments.job, &arguments.drawing, arguments.plot.as_deref(), true)?;
     let path = source.extent.as_ref().map(PathFacts::of);
     let facts = Facts {
         job: source.name.clone(),

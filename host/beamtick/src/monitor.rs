@@ -165,7 +165,7 @@ impl<'a> Live<'a> {
         self.shown = Some(Instant::now());
         let entries = report.total();
         let done = progress.queue.executed.get().min(entries);
-        let planned = self.source.extent.as_ref().map(|extent| extent.seconds);
+        let planned = self.source.extent.as_ref().and_then(|extent| extent.seconds);
         let left_ms = left_ms(progress.clock().as_secs_f64(), planned);
         let job = JobState { entries: entries.into(), done: done.into(), left_ms: left_ms.into() };
         let job = (job, self.source.name.clone());

@@ -8,6 +8,11 @@ use protocol::command::{ConfigItem, LoadConfig, Request, info, widths};
 use protocol::record::{BODY_MAX, ITEM_BYTES};
 use zerocopy::{FromBytes, IntoBytes};
 
+/// Whether a message has room for a request with its items, whichever it is.
+pub fn is_record(payload: &[u8]) -> bool {
+    payload.len() <= ITEM_BYTES.min(BODY_MAX)
+}
+
 /// Head, point, and offset of `first` of a command that carries points: it has such a field.
 fn layout(number: u16) -> Option<(usize, usize, usize)> {
     let command = info(number)?;
@@ -45,6 +50,9 @@ fn whole(mut call: Call) -> Call {
 
 /// The records of a call.
 pub fn records(call: Call) -> Vec<Call> {
+    if is_record(&call.payload) {
+        return vec![call];
+    }
     if call.opcode == LoadConfig::OPCODE {
         return configurations(call);
     }

@@ -1,5 +1,5 @@
 //! Packed requests and replies as text, by the protocol's own table.
-use protocol::command::{COMMANDS, CommandInfo, Request, SetLaserDisTable1D, SetLaserDisTable2D, widths};
+use protocol::command::{CommandInfo, Request, SetLaserDisTable1D, SetLaserDisTable2D, info, widths};
 use protocol::reason::stop_reason;
 
 /// Fields of `bytes`, as far as they reach.
@@ -36,7 +36,7 @@ fn elements(of: &str, bytes: &mut &[u8]) -> Option<Vec<String>> {
 
 /// A request's fields as `name value`, without its items.
 pub fn request(opcode: u16, mut body: &[u8]) -> String {
-    let Some(info) = COMMANDS.iter().find(|info| info.opcode == opcode) else { return String::new() };
+    let Some(info) = info(opcode) else { return String::new() };
     let mut text: Vec<String> =
         fields(info.fields, &mut body).iter().map(|(name, value)| format!("{name} {value}")).collect();
     if !body.is_empty() {
@@ -58,7 +58,7 @@ fn asked(info: &CommandInfo, mut request: &[u8]) -> usize {
 /// What the reply to a request says: `name value`, a value for each item that was asked for. What
 /// lies past the last axis is 0.
 pub fn reply(opcode: u16, request: &[u8], mut body: &[u8]) -> String {
-    let Some(info) = COMMANDS.iter().find(|info| info.opcode == opcode) else { return String::new() };
+    let Some(info) = info(opcode) else { return String::new() };
     let mut text: Vec<String> = Vec::new();
     for (name, value) in fields(info.reply, &mut body) {
         // The clock is in the summary; the count is that of the values shown.
@@ -92,7 +92,7 @@ pub fn reply(opcode: u16, request: &[u8], mut body: &[u8]) -> String {
 
 /// Why motion stopped, of a reply that reports it: the number and the text.
 pub fn stop(opcode: u16, mut body: &[u8]) -> Option<String> {
-    let info = COMMANDS.iter().find(|info| info.opcode == opcode)?;
+    let info = info(opcode)?;
     let values = fields(&[info.reply, info.reply_items].concat(), &mut body);
     let (_, number) = values.iter().find(|(name, _)| *name == "reason")?;
     Some(format!("{number} ({})", stop_reason(number.parse().ok()?)))
@@ -100,9 +100,15 @@ pub fn stop(opcode: u16, mut body: &[u8]) -> Option<String> {
 
 /// What a laser command did not take as it was given: a text for each bit of its reply's `held`.
 pub fn held(opcode: u16, mut body: &[u8]) -> Vec<String> {
-    let Some(info) = COMMANDS.iter().find(|info| info.opcode == opcode) else { return Vec::new() };
+    let Some(info) = info(opcode) else { return Vec::new() };
     // LaserStatus uses the word for a state.
     if info.reply.last().is_none_or(|(name, _)| *name != "held") {
+        return Vec::new();
+    }
+    // Nearly always nothing was.
+    let bits =
+        body.get(..widths(info.reply)).and_then(|fixed| fixed.last_chunk()).map_or(0, |bits| u16::from_le_bytes(*bits));
+    if bits == 0 {
         return Vec::new();
     }
     let mut values: Vec<(String, String)> = Vec::new();
@@ -113,11 +119,10 @@ pub fn held(opcode: u16, mut body: &[u8]) -> Vec<String> {
             None => values.extend(field(of, &mut body).map(|value| ((*name).to_owned(), value))),
         }
     }
-    let bits: u16 = values.pop().and_then(|(_, bits)| bits.parse().ok()).unwrap_or(0);
+    values.pop();
     if values.is_empty() {
         // Of a table, it is how many points.
         let text = match bits {
-            0 => return Vec::new(),
             1 => "a power is out of range; its nearest bound is taken".to_owned(),
             points => format!("{points} powers are out of range; their nearest bounds are taken"),
         };

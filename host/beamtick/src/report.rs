@@ -128,7 +128,7 @@ impl<'a, 's> Report<'a, 's> {
             return;
         }
         let Some(step) = self.ledger.look(answer.index, u16::MAX, Step::clone) else { return };
-        let name = if let Action::Call(call) = &step.action { call.function.as_str() } else { "" };
+        let name = if let Action::Call(call) = &step.action { &*call.function } else { "" };
         let text = self.source.show(&step, Severity::Warning, format!("{name}: {}", texts.join(", ")), "");
         self.bar.suspend(|| complain!("{}", text.trim_end()));
     }
@@ -147,7 +147,7 @@ impl<'a, 's> Report<'a, 's> {
         let found = json::read(Read {
             file: self.source.name.clone(),
             line: step.line,
-            call: call.function.clone(),
+            call: call.function.to_string(),
             variables: names.into_iter().map(str::to_owned).collect(),
             values,
         });
@@ -165,7 +165,7 @@ fn bare(name: &str) -> &str {
 /// What the script calls a step.
 fn name(step: &Step) -> &str {
     match &step.action {
-        Action::Call(call) => call.function.as_str(),
+        Action::Call(call) => &*call.function,
         Action::Sleep { .. } => "Sleep",
         Action::WaitStop { .. } | Action::WaitAll => "WaitStop",
     }

@@ -51,7 +51,7 @@ type Tape = Arc<Mutex<Option<Recording>>>;
 
 /// Runs a job in the virtual controller.
 pub fn sim(arguments: &Sim) -> Result<(), Failure> {
-    let mut source = Source::open(&arguments.job, &arguments.drawing)?;
+    let mut source = Source::open(&arguments.job, &arguments.drawing, false)?;
     let settings = source.settings(&arguments.settings)?;
     let inputs = inputs(&mut source, &arguments.inputs)?;
     output::check(&source.files, &arguments.outputs.files())?;
@@ -62,7 +62,7 @@ pub fn sim(arguments: &Sim) -> Result<(), Failure> {
 
 /// Runs a job on a board: over `link`, or over the one that the command line names.
 pub fn run(arguments: &Run, link: Option<Box<dyn Link>>) -> Result<(), Failure> {
-    let mut source = Source::open(&arguments.job, &arguments.drawing)?;
+    let mut source = Source::open(&arguments.job, &arguments.drawing, true)?;
     let settings = source.settings(&arguments.settings)?;
     let inputs = inputs(&mut source, &arguments.inputs)?;
     output::check(&source.files, &arguments.outputs.files())?;

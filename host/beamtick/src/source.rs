@@ -48,9 +48,10 @@ pub struct Source {
 }
 
 impl Source {
-    /// Reads and compiles a job file; its warnings go to the error stream.
-    pub fn open(path: &Path, drawing: &Drawing) -> Result<Self, Failure> {
-        let source = Source::open_drawn(path, drawing, None)?;
+    /// Reads and compiles a job file; its warnings go to the error stream. `timed`: a program tells
+    /// how long it takes, which the simulator finds out anyway.
+    pub fn open(path: &Path, drawing: &Drawing, timed: bool) -> Result<Self, Failure> {
+        let source = Source::open_drawn(path, drawing, None, timed)?;
         if let Some(extent) = &source.extent {
             complain!("{}: {extent}", source.name);
         }
@@ -58,11 +59,11 @@ impl Source {
     }
 
     /// The same, with a picture of the path of a program or a drawing.
-    pub fn open_drawn(path: &Path, drawing: &Drawing, plot: Option<&Path>) -> Result<Self, Failure> {
+    pub fn open_drawn(path: &Path, drawing: &Drawing, plot: Option<&Path>, timed: bool) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let kind = import::kind(path).map_err(|error| unread(&name, &error))?;
         if kind.is_some() {
-            let found = import::job(path, drawing, plot)?;
+            let found = import::job(path, drawing, plot, timed)?;
             let read = Source::read(name.clone(), found.script, vec![path.to_owned(), found.file], path);
             let mut source = read.map_err(|why| why.failure(&name))?;
             source.millimetres = found.millimetres;

@@ -26,6 +26,8 @@ use strokes::{Extent, Imported, Watch, Writer};
 pub struct Options {
     /// M0 goes on by itself; without it M0 is refused, since a job asks nobody.
     pub pass_stops: bool,
+    /// Nobody asks for the time that the path takes.
+    pub untimed: bool,
 }
 
 /// The program `text` of the file `name` as a job for `machine`.
@@ -54,6 +56,9 @@ pub fn import_to(
     let mut writer = Writer::new(name, "line N of the program", machine);
     if let Some(watch) = watch {
         writer.watched(watch);
+    }
+    if options.untimed {
+        writer.untimed();
     }
     let mut notes = interpreter::run(name, program, machine, options, &mut writer, to)?;
     notes.extend(writer.notes().into_iter().map(|(line, note)| format!("{name}:{line}: note: {note}")));

@@ -88,6 +88,7 @@ impl<'a> Stream<'a> {
     pub fn new(machine: &'a Machine) -> Stream<'a> {
         let mut writer = Writer::new("lines of a sender", "line", machine);
         writer.stream();
+        writer.untimed();
         Stream { state: State::new(machine), writer, machine, bare: Vec::new(), found: Vec::new() }
     }
 

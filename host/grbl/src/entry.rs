@@ -60,7 +60,7 @@ pub fn calls(text: &str) -> Result<Vec<Call>, String> {
 /// The calls that most lines are made of, packed without the language around them.
 fn quick(text: &str) -> Option<Call> {
     let Quick { opcode, body, .. } = job::quick::call(text)?;
-    Some(Call { opcode, payload: body, may_fail: false })
+    Some(Call { opcode, payload: body.to_vec(), may_fail: false })
 }
 
 /// The entries of a line.

@@ -65,7 +65,7 @@ impl Reader<'_> {
         self.fill(function, core, &bound, &later, &span);
         if let Some(body) = body {
             let may_fail = assigned && self.keep_going;
-            let call = Call { function: name.text, opcode: function.opcode, body, outs: bound.outs, may_fail };
+            let call = Call { function: name.text.into(), opcode: function.opcode, body, outs: bound.outs, may_fail };
             self.push(start, Action::Call(call));
         }
         Ok(if self.keep_going { later } else { Value::Int(0) })

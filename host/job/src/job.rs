@@ -1,6 +1,7 @@
 //! What a compiled job is: steps in the order of the script, ready for the program queue.
 
 use crate::Diagnostic;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// A compiled job.
@@ -99,7 +100,7 @@ pub enum Action {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Call {
     /// The name as the manuals print it, with its prefix.
-    pub function: String,
+    pub function: Cow<'static, str>,
     /// Number on the wire.
     pub opcode: u16,
     /// The packed request: its struct, then its items.

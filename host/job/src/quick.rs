@@ -6,17 +6,20 @@
 use crate::{Action, Call, Step};
 use protocol::command::{BufLaserFollowRatio, BufLaserOff, BufLaserOn, BufLaserPrfCmd, LnXY, LnXYZ, Request};
 
+/// The longest request of such a line, bytes.
+const BODY_MAX: usize = size_of::<LnXYZ>();
+
 /// A call of such a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quick<'t> {
     /// The statement.
     pub text: &'t str,
     /// The function with its prefix.
-    pub function: &'t str,
+    pub function: &'static str,
     /// Number on the wire.
     pub opcode: u16,
     /// The packed request.
-    pub body: Vec<u8>,
+    pub body: heapless::Vec<u8, BODY_MAX>,
     /// Laser channels that it sets something of, a bit each.
     pub lasers: u8,
 }
@@ -25,7 +28,8 @@ impl Quick<'_> {
     /// The step of line `line` of a script, in which the line begins at this byte.
     pub fn step(self, line: u32, at: usize) -> Step {
         let Quick { text, function, opcode, body, .. } = self;
-        let call = Call { function: function.to_owned(), opcode, body, outs: Vec::new(), may_fail: false };
+        let (function, body) = (function.into(), body.to_vec());
+        let call = Call { function, opcode, body, outs: Vec::new(), may_fail: false };
         let span = at..at + text.len();
         Step { line, column: 1, span, text: text.to_owned(), action: Action::Call(call) }
     }
@@ -54,24 +58,16 @@ fn whole<T: std::str::FromStr>(text: &str) -> Option<T> {
 
 /// The statement of a line, its function and its parameters, apart by a comma and a blank.
 fn parts(line: &str) -> Option<(&str, &str, [&str; 6], usize)> {
-    let bytes = line.as_bytes();
-    let open = bytes.iter().position(|byte| *byte == b'(')?;
+    let (function, rest) = line.split_once('(')?;
+    let (inside, rest) = rest.split_once(')')?;
+    rest.strip_prefix(';')?;
+    let statement = line.get(..line.len() - rest.len() + 1)?;
     let (mut given, mut count) = ([""; 6], 0);
-    let (mut begin, mut at) = (open + 1, open + 1);
-    loop {
-        match bytes.get(at..)? {
-            [b',', b' ', ..] => {
-                *given.get_mut(count)? = line.get(begin..at)?;
-                (count, begin, at) = (count + 1, at + 2, at + 2);
-            }
-            [b')', b';', ..] => {
-                *given.get_mut(count)? = line.get(begin..at)?;
-                return Some((line.get(..at + 2)?, line.get(..open)?, given, count + 1));
-            }
-            [b',' | b')', ..] => return None,
-            _ => at += 1,
-        }
+    for part in inside.split(',') {
+        *given.get_mut(count)? = if count == 0 { part } else { part.strip_prefix(' ')? };
+        count += 1;
     }
+    Some((statement, function, given, count))
 }
 
 /// The call of a line; a comment may follow it.
@@ -96,30 +92,40 @@ pub fn call(line: &str) -> Option<Quick<'_>> {
         };
         Some(channel.into())
     };
-    fn packed<R: Request>(request: R) -> (u16, Vec<u8>) {
-        (R::OPCODE, request.as_bytes().to_vec())
+    fn packed<R: Request>(
+        function: &'static str,
+        request: R,
+    ) -> Option<(&'static str, u16, heapless::Vec<u8, BODY_MAX>)> {
+        Some((function, R::OPCODE, heapless::Vec::from_slice(request.as_bytes()).ok()?))
     }
-    let (opcode, body) = match (function, count) {
+    let (function, opcode, body) = match (function, count) {
         ("GT_LnXY", 5) => {
             let (x, y, syn_vel, syn_acc) = (long(a)?, long(b)?, number(c)?, number(d)?);
-            packed(LnXY { core, crd, x, y, syn_vel, syn_acc, vel_end: 0.0.into(), fifo: 0.into() })
+            packed("GT_LnXY", LnXY { core, crd, x, y, syn_vel, syn_acc, vel_end: 0.0.into(), fifo: 0.into() })
         }
         ("GT_LnXYZ", 6) => {
             let (x, y, z, syn_vel, syn_acc) = (long(a)?, long(b)?, long(c)?, number(d)?, number(e)?);
-            packed(LnXYZ { core, crd, x, y, z, syn_vel, syn_acc, vel_end: 0.0.into(), fifo: 0.into() })
+            packed("GT_LnXYZ", LnXYZ { core, crd, x, y, z, syn_vel, syn_acc, vel_end: 0.0.into(), fifo: 0.into() })
         }
         ("GT_BufLaserPrfCmd", 4) => {
             let (power, fifo, channel) = (number(a)?, short(b)?.into(), channel(c)?);
-            packed(BufLaserPrfCmd { core, crd, power, fifo, channel })
+            packed("GT_BufLaserPrfCmd", BufLaserPrfCmd { core, crd, power, fifo, channel })
         }
-        ("GT_BufLaserOn", 3) => packed(BufLaserOn { core, crd, fifo: short(a)?.into(), channel: channel(b)? }),
-        ("GT_BufLaserOff", 3) => packed(BufLaserOff { core, crd, fifo: short(a)?.into(), channel: channel(b)? }),
+        ("GT_BufLaserOn", 3) => {
+            packed("GT_BufLaserOn", BufLaserOn { core, crd, fifo: short(a)?.into(), channel: channel(b)? })
+        }
+        ("GT_BufLaserOff", 3) => {
+            packed("GT_BufLaserOff", BufLaserOff { core, crd, fifo: short(a)?.into(), channel: channel(b)? })
+        }
         ("GT_BufLaserFollowRatio", 6) => {
             let (ratio, min, max, fifo) = (number(a)?, number(b)?, number(c)?, short(d)?.into());
-            packed(BufLaserFollowRatio { core, crd, ratio, min, max, fifo, channel: channel(e)? })
+            packed(
+                "GT_BufLaserFollowRatio",
+                BufLaserFollowRatio { core, crd, ratio, min, max, fifo, channel: channel(e)? },
+            )
         }
         _ => return None,
-    };
+    }?;
     Some(Quick { text: statement, function, opcode, body, lasers })
 }
 

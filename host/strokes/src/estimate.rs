@@ -12,7 +12,7 @@ use servo::path::Plane;
 const TOGETHER: usize = 256;
 
 pub struct Estimate {
-    ahead: Box<LookAhead<TOGETHER>>,
+    ahead: Box<LookAhead<TOGETHER, TOGETHER>>,
     at: Position,
     ms: f64,
 }

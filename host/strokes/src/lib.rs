@@ -43,8 +43,9 @@ pub struct Extent {
     pub marks: Vec<(char, f64, f64)>,
     /// Length of the path, mm, and of what may be lit.
     pub length: (f64, f64),
-    /// The time that the path takes, s, as the controller's look-ahead plans it.
-    pub seconds: f64,
+    /// The time that the path takes, s, as the controller's look-ahead plans it; none if nobody
+    /// asked for it.
+    pub seconds: Option<f64>,
 }
 
 impl fmt::Display for Extent {
@@ -66,9 +67,10 @@ impl fmt::Display for Extent {
             _ => write!(f, "marks of {:.3} mm, {} mm", self.length.1, list(&self.marks))?,
         }
         match self.seconds {
-            seconds if seconds < 120.0 => write!(f, "; about {seconds:.1} s"),
-            seconds if seconds < 7200.0 => write!(f, "; about {:.1} min", seconds / 60.0),
-            seconds => write!(f, "; about {:.1} h", seconds / 3600.0),
+            None => Ok(()),
+            Some(seconds) if seconds < 120.0 => write!(f, "; about {seconds:.1} s"),
+            Some(seconds) if seconds < 7200.0 => write!(f, "; about {:.1} min", seconds / 60.0),
+            Some(seconds) => write!(f, "; about {:.1} h", seconds / 3600.0),
         }
     }
 }

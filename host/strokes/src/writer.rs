@@ -87,7 +87,8 @@ pub struct Writer<'a> {
     /// Of everything, and of marks: least and greatest of each axis, mm, and length.
     covered: [Option<[(f64, f64); 3]>; 2],
     length: [f64; 2],
-    time: Estimate,
+    /// None if nobody asks for it: it takes as long as all else.
+    time: Option<Estimate>,
     /// The first mark with power in proportion to a speed that the machine does not reach there.
     hasty: Option<Hasty>,
     watch: Option<Watch<'a>>,
@@ -142,7 +143,7 @@ impl<'a> Writer<'a> {
             rapid: 1.0,
             covered: [None; 2],
             length: [0.0; 2],
-            time: Estimate::new(machine, at, corner_ms(machine)),
+            time: Some(Estimate::new(machine, at, corner_ms(machine))),
             hasty: None,
             watch: None,
         };
@@ -285,7 +286,9 @@ impl<'a> Writer<'a> {
             Light::Constant(power) => Some(Power::Constant(power)),
             Light::Dark | Light::Follow(_) => None,
         });
-        self.time.dwell(ms as f64);
+        if let Some(time) = &mut self.time {
+            time.dwell(ms as f64);
+        }
         let mut left = ms;
         while left > 0 {
             let part = left.min(DELAY_MAX);
@@ -326,6 +329,11 @@ impl<'a> Writer<'a> {
         watch(stroke.to.map(to_f64), lit);
     }
 
+    /// Nobody asks for the time that the path takes.
+    pub fn untimed(&mut self) {
+        self.time = None;
+    }
+
     /// What was covered so far.
     pub fn extent(&mut self) -> Extent {
         let rows = |covered: Option<[(f64, f64); 3]>| {
@@ -333,7 +341,7 @@ impl<'a> Writer<'a> {
             self.machine.axes.iter().zip(ends).map(|(axis, (least, most))| (axis.letter, least, most)).collect()
         };
         let [all, marks] = self.covered.map(rows);
-        let seconds = self.time.total() / 1000.0;
+        let seconds = self.time.as_mut().map(|time| time.total() / 1000.0);
         Extent { all, marks, length: (self.length[0], self.length[1]), seconds }
     }
 
@@ -404,7 +412,9 @@ impl<'a> Writer<'a> {
         let speed = self.speed(stroke, rate);
         let (vel, acc) = (speed / 60_000.0 * per_mm, acceleration / 1e6 * per_mm);
         let ([x, y, z], line) = (to, stroke.line);
-        self.time.line(to, vel, acc);
+        if let Some(time) = &mut self.time {
+            time.line(to, vel, acc);
+        }
         match self.scales.len() {
             2 => self.put(format_args!("GT_LnXY(1, {x}, {y}, {vel}, {acc}); // {line}\n")),
             _ => self.put(format_args!("GT_LnXYZ(1, {x}, {y}, {z}, {vel}, {acc}); // {line}\n")),
@@ -503,7 +513,9 @@ impl<'a> Writer<'a> {
         let ccw = u8::from((arc.sweep > 0.0) == ((first > 0.0) == (second > 0.0)));
         let plane: String = [a, b].iter().map(|axis| LETTERS[*axis]).collect();
         let ([x, y], [p, q], line) = (centre, [to[a], to[b]], stroke.line);
-        self.time.arc([a, b], to, centre, ccw == 1, (vel, acc));
+        if let Some(time) = &mut self.time {
+            time.arc([a, b], to, centre, ccw == 1, (vel, acc));
+        }
         self.put(format_args!("GT_Arc{plane}C(1, {p}, {q}, {x}, {y}, {ccw}, {vel}, {acc}); // {line}\n"));
         self.at = to;
         self.entered();

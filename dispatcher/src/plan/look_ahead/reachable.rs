@@ -52,19 +52,62 @@ const ROUNDING_SHARE: f64 = 1e-9;
 
 /// Two coordinates across an arc and three sides of a circle, or four coordinates.
 pub(super) const BOUNDS_MAX: usize = 5;
-/// The acceleration, two lines for each side at each end, one for the others.
-const LINES_MAX: usize = 18;
+/// Two lines for each side at each end, one for the others.
+const LINES_MAX: usize = 16;
 /// Each step brings the highest speed to another corner of the region.
 const CORNERS_MAX: usize = 16;
 
-/// y ≤ offset − slope·x, or y ≥ slope·x − offset.
+/// y ≤ offset − slope·x above, y ≥ slope·x − offset below.
 #[derive(Debug, Clone, Copy)]
-struct Constraint {
+struct Line {
     slope: f64,
     offset: f64,
-    lower: bool,
     /// Of the corner at the end.
     end: bool,
+}
+
+/// Steps of a plan over one motion that are one rule: what it gives for ends whose squares lie in
+/// `from..=to` is the step, to the last bit. Several plans go over a motion, and most of them come
+/// with an end of the same rule.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steps {
+    rule: Rule,
+    from: f32,
+    to: f32,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Rule {
+    /// The end counts for nothing.
+    Fixed(StepBack),
+    /// (end + offset)/slope, on a line that bounds the end from below.
+    Line { slope: f64, offset: f64 },
+}
+
+/// A step near the end of a line is not taken along it, for its rounding.
+const NEAR_SHARE: f64 = 1e-6;
+
+impl Steps {
+    /// None.
+    pub(super) const NONE: Steps =
+        Steps { rule: Rule::Fixed(StepBack { high: 0.0, settled: false }), from: 0.0, to: 0.0 };
+
+    /// The step from this end, if it is one of them. None is from 0.
+    #[inline]
+    pub(super) fn back(&self, most: f64) -> Option<StepBack> {
+        (most > 0.0 && most >= self.from.into() && most <= self.to.into()).then(|| match self.rule {
+            Rule::Fixed(step) => step,
+            Rule::Line { slope, offset } => StepBack { high: (most + offset) / slope, settled: false },
+        })
+    }
+}
+
+/// The highest square at the start of a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct StepBack {
+    pub high: f64,
+    /// A higher one at the end would not raise it.
+    pub settled: bool,
 }
 
 /// How a motion is driven: its highest speed, its acceleration, its time in ms.
@@ -94,9 +137,27 @@ impl EndSpeed {
 #[derive(Debug)]
 pub(super) struct Span {
     length: f64,
+    /// The share of y − x that is the acceleration.
+    unit: f64,
     /// The highest x by itself: without and with the corner at the end.
     tops: [f64; 2],
-    lines: Vec<Constraint, LINES_MAX>,
+    /// The lines of its own acceleration, above and below.
+    own: [Line; 2],
+    /// The lines that bound y from above, and from below.
+    above: Vec<Line, LINES_MAX>,
+    below: Vec<Line, LINES_MAX>,
+}
+
+/// A positive number as the nearest f32 that is not greater.
+pub(super) fn rounded_down(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) > x { f32::from_bits(near.to_bits() - 1) } else { near }
+}
+
+/// A positive number as the nearest f32 that is not less.
+fn rounded_up(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { f32::from_bits(near.to_bits() + 1) } else { near }
 }
 
 /// The part of a limit that plans use.
@@ -125,6 +186,7 @@ impl Corner {
     /// A change of direction, over the mean length of the motions on both sides, at the end of a
     /// motion of this length. `fastest`, if given, is the highest product of the speeds at its
     /// ends: it is the closer bound on a long motion. `either`: the turn may go to either side.
+    #[inline]
     pub(super) fn new((turn, either): (f64, bool), length: f64, fastest: Option<f64>, limit: f64) -> Corner {
         let sign = if turn > 0.0 { 1.0 } else { -1.0 };
         let turn = fabs(turn);
@@ -137,19 +199,15 @@ impl Corner {
         }
     }
 
+    #[inline]
     fn bend(&self) -> f64 {
         if self.fixed > 0.0 { 0.0 } else { self.turn }
-    }
-
-    /// The signs that its change of velocity may have.
-    fn signs(&self) -> impl Iterator<Item = f64> {
-        let one = (self.sign != 0.0).then_some(self.sign);
-        one.into_iter().chain(one.filter(|_| self.either).map(|sign| -sign))
     }
 }
 
 impl Bound {
     /// A bound on a coordinate of a line: its part of the direction, its corners.
+    #[inline]
     pub(super) fn straight(along: f64, corners: [Corner; 2], limit: f64) -> Bound {
         Bound { across: 0.0, along, round: false, corners, limit: planned(limit) }
     }
@@ -186,47 +244,47 @@ impl Bound {
 
 impl Span {
     /// A motion of this length, with an acceleration of its own.
+    #[inline]
     pub(super) fn new(length: f64, acc: f64) -> Span {
-        let mut span = Span { length, tops: [f64::INFINITY; 2], lines: Vec::new() };
         let change = 2.0 * length * planned(acc);
-        span.push(Constraint { slope: -1.0, offset: change, lower: false, end: false });
-        span.push(Constraint { slope: 1.0, offset: change, lower: true, end: false });
-        span
+        let own = [-1.0, 1.0].map(|slope| Line { slope, offset: change, end: false });
+        let (above, below) = (Vec::new(), Vec::new());
+        Span { length, unit: 1.0 / (2.0 * length), tops: [f64::INFINITY; 2], own, above, below }
     }
 
     /// It keeps this bound.
+    #[inline]
     pub(super) fn keep(&mut self, bound: &Bound) {
-        let unit = 1.0 / (2.0 * self.length);
-        let [start, end] = &bound.corners;
-        if bound.round {
-            for along in [bound.along, -bound.along] {
-                self.corner(bound, start, false, (along + along.signum() * start.grow) * unit);
-                self.corner(bound, end, true, (along + along.signum() * end.grow) * unit);
+        for (corner, end) in bound.corners.iter().zip([false, true]) {
+            if bound.round {
+                for along in [bound.along, -bound.along] {
+                    self.corner(bound, corner, end, along + along.signum() * corner.grow);
+                }
+            } else if corner.sign != 0.0 {
+                let (along, grow) = (corner.sign * bound.along, if end { -corner.grow } else { corner.grow });
+                self.corner(bound, corner, end, along + grow);
+                if corner.either {
+                    self.corner(bound, corner, end, grow - along);
+                }
             }
-            return;
-        }
-        for sign in start.signs() {
-            self.corner(bound, start, false, (sign * bound.along + start.grow) * unit);
-        }
-        for sign in end.signs() {
-            self.corner(bound, end, true, (sign * bound.along - end.grow) * unit);
         }
     }
 
-    fn push(&mut self, line: Constraint) {
-        self.lines.push(line).ok();
-    }
-
-    /// The lines of a bound at one end, of which the acceleration uses `steep`·(y − x).
+    /// The lines of a bound at one end, of which the acceleration counts `steep` times.
+    #[inline]
     fn corner(&mut self, bound: &Bound, corner: &Corner, end: bool, steep: f64) {
+        let steep = steep * self.unit;
         let square = bound.across + corner.bend();
         let limit = bound.limit - corner.fixed;
         let (x, y) = if end { (-steep, square + steep) } else { (square - steep, steep) };
         if fabs(y) > ROUNDING_SHARE * fabs(x) {
             let part = 1.0 / fabs(y);
-            let lower = y < 0.0;
-            let slope = x * part;
-            self.push(Constraint { slope, offset: limit * part, lower, end });
+            let line = Line { slope: x * part, offset: limit * part, end };
+            if y < 0.0 {
+                self.below.push(line).ok()
+            } else {
+                self.above.push(line).ok()
+            };
         } else if x > 0.0 {
             let top = limit / x;
             self.tops[1] = self.tops[1].min(top);
@@ -237,30 +295,39 @@ impl Span {
     }
 
     /// The lines that bound y at x from above and from below, with `most` and 0.
-    fn window(&self, x: f64, most: f64) -> [(f64, Constraint); 2] {
-        let line = |offset, lower| Constraint { slope: 0.0, offset, lower, end: false };
-        let (mut above, mut below) = ((most, line(most, false)), (0.0, line(0.0, true)));
-        for line in &self.lines {
-            if line.lower {
-                let y = line.slope * x - line.offset;
-                if y > below.0 {
-                    below = (y, *line);
-                }
-            } else {
-                let y = line.offset - line.slope * x;
-                if y < above.0 {
-                    above = (y, *line);
-                }
+    #[inline]
+    fn window(&self, x: f64, most: f64) -> [(f64, Line); 2] {
+        let level = |offset| Line { slope: 0.0, offset, end: false };
+        let (mut above, mut below) = ((most, level(most)), (0.0, level(0.0)));
+        let mut lower = |line: &Line| {
+            let y = line.offset - line.slope * x;
+            if y < above.0 {
+                above = (y, *line);
             }
-        }
+        };
+        lower(&self.own[0]);
+        self.above.iter().for_each(lower);
+        let mut raise = |line: &Line| {
+            let y = line.slope * x - line.offset;
+            if y > below.0 {
+                below = (y, *line);
+            }
+        };
+        raise(&self.own[1]);
+        self.below.iter().for_each(raise);
         [above, below]
     }
 
-    /// The highest x, at most `cap`, from which some y from 0 to `most` can be reached; true if a
-    /// higher `most` would not raise it.
-    pub(super) fn back(&self, most: f64, cap: f64) -> (f64, bool) {
+    /// The highest x, at most `cap`, from which some y from 0 to `most` can be reached, and what
+    /// that tells of other `most`.
+    pub(super) fn back(&self, most: f64, cap: f64) -> (StepBack, Steps) {
         let [free, top] = self.tops;
-        let (mut x, mut settled) = (cap.min(top), true);
+        let (mut x, mut settled, mut edge) = (cap.min(top), true, None);
+        // Mostly its own acceleration bounds it.
+        let [_, own] = self.own;
+        if most + own.offset < x {
+            (x, settled, edge) = (most + own.offset, false, Some(own));
+        }
         for _ in 0..CORNERS_MAX {
             let [(high, above), (low, below)] = self.window(x, most);
             if low <= high {
@@ -271,20 +338,53 @@ impl Span {
             settled = above.slope != 0.0;
             // If rounding keeps it from falling, it has arrived.
             if next.is_nan() || next >= x {
+                edge = None;
                 break;
             }
-            x = next;
+            (x, edge) = (next, (!settled).then_some(below));
         }
         // A stop at the end uses nothing of the corner there.
-        let stops = self.lines.iter().filter(|line| !line.end);
-        if x < cap && stops.clone().all(|line| line.slope * x <= line.offset) {
-            let ends = stops.filter(|line| line.slope > 0.0).map(|line| line.offset / line.slope);
-            let remainder = ends.fold(cap.min(free), f64::min);
-            if remainder > x {
-                return (remainder, remainder >= cap);
+        let mut stop = cap.min(free).min(own.offset);
+        let mut holds = x <= own.offset;
+        for line in self.above.iter().chain(&self.below).filter(|line| !line.end) {
+            holds &= line.slope * x <= line.offset;
+            if line.slope > 0.0 {
+                stop = stop.min(line.offset / line.slope);
             }
         }
-        (x.max(0.0), settled)
+        let (step, [from, to]) = if x < cap && stop > x && holds {
+            edge = None;
+            (StepBack { high: stop, settled: stop >= cap }, [0.0, most])
+        } else {
+            (StepBack { high: x.max(0.0), settled }, [most, if settled { f64::INFINITY } else { most }])
+        };
+        let steps = match edge {
+            Some(edge) => self.along(&edge, [stop, cap.min(top)], most),
+            None => Steps { rule: Rule::Fixed(step), from: rounded_up(from), to: rounded_down(to) },
+        };
+        (step, steps)
+    }
+
+    /// The steps whose x lies on this lower line, between these x, as that from `most` does.
+    fn along(&self, edge: &Line, [least, top]: [f64; 2], most: f64) -> Steps {
+        let Line { slope, offset, .. } = *edge;
+        let part = 1.0 / slope;
+        let (mut from, mut to) = ((slope * least - offset).max(0.0), slope * top - offset);
+        // The other lines hold where `steep`·y ≤ `left`.
+        let mut holds = |line: &Line, steep: f64| {
+            let (steep, left) = (line.slope * part + steep, line.offset - line.slope * part * offset);
+            if steep > 4.0 * f64::EPSILON {
+                to = to.min(left / steep);
+            } else if steep < -4.0 * f64::EPSILON {
+                from = from.max(left / steep);
+            }
+        };
+        for (own, lines, steep) in [(&self.own[0], &self.above, 1.0), (&self.own[1], &self.below, -1.0)] {
+            holds(own, steep);
+            lines.iter().for_each(|line| holds(line, steep));
+        }
+        let (from, to) = (from * (1.0 + NEAR_SHARE), to * (1.0 - NEAR_SHARE));
+        Steps { rule: Rule::Line { slope, offset }, from: rounded_up(from.min(most)), to: rounded_down(to.max(most)) }
     }
 
     /// The highest y, at most `most`, that can be reached from x.
@@ -389,7 +489,7 @@ mod tests {
     fn steps_keep_their_limits_and_go_as_high_as_they_can() {
         let mut numbers = SplitMix64::seed_from_u64(3);
         let mut chance = || (numbers.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        let (mut stops, mut limited, mut lowered) = (0, 0, 0);
+        let (mut stops, mut limited, mut lowered, mut along) = (0, 0, 0, [0; 2]);
         for _ in 0..100_000 {
             let length = 10.0 + 200.0 * chance();
             let acc = 0.5 + chance();
@@ -406,7 +506,7 @@ mod tests {
             let mut span = Span::new(length, acc);
             bounds.iter().for_each(|bound| span.keep(bound));
             let (most, cap) = (chance() * 400.0, chance() * 400.0);
-            let (high, settled) = span.back(most, cap);
+            let (StepBack { high, settled }, steps) = span.back(most, cap);
             let found = || format!("{sides:?} {length} {acc} to {most}, {cap}: {high} {settled}");
             // There is an end for the highest start; trials find none for a higher one.
             let keeps = |x: f64, y: f64, slack: f64| {
@@ -421,7 +521,16 @@ mod tests {
                 assert!(!ends(high * 1.001), "{}", found());
             }
             if settled {
-                assert!(span.back(most * 2.0, cap).0 <= high * (1.0 + 1e-12), "{}", found());
+                assert!(span.back(most * 2.0, cap).0.high <= high * (1.0 + 1e-12), "{}", found());
+            }
+            // A step along a straight line is the step, to the last bit.
+            for _ in 0..8 {
+                let most = most * 2.0 * chance();
+                if let Some(straight) = steps.back(most) {
+                    let (step, _) = span.back(most, cap);
+                    assert!(straight == step, "{straight:?} {step:?} {steps:?} {}", found());
+                    along[usize::from(step.settled)] += 1;
+                }
             }
             let x = high * chance().sqrt();
             let y = span.on(x, most);
@@ -439,5 +548,6 @@ mod tests {
             }
         }
         assert!(stops > 100 && limited > 10_000 && lowered > 10_000, "{stops} {limited} {lowered}");
+        assert!(along.iter().all(|steps| *steps > 30_000), "{along:?}");
     }
 }

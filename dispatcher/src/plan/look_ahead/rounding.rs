@@ -126,7 +126,7 @@ impl Chords {
             seconds
                 .iter_mut()
                 .zip(forwards.at.iter().zip(&back.at))
-                .for_each(|(second, (to, from))| *second = to - from);
+                .for_each(|(second, (to, from))| *second = (to - from) / DIRECTION_UNITS);
         }
         let mut either = false;
         let mut sure = Junction { cap: junction.cap.max(f64::from(square).min(vel * vel)), ..*junction };
@@ -146,37 +146,43 @@ struct Arm<'x> {
     forwards: bool,
     /// Chords that it may still take, this one included.
     left: u32,
-    /// Up to that chord: the length, and the displacement along the path.
+    /// Up to that chord: the length, and the displacement along the path in units of a direction.
     passed: f32,
     base: [f32; 4],
-    /// The displacement where it ends.
+    /// The displacement where it ends, in the same units.
     at: [f32; 4],
 }
 
 impl Arm<'_> {
-    /// The chord in which it ends, if there is one.
-    fn chord(&self) -> Option<Chord> {
-        let chord = self.chords.chord(self.number);
-        // No arm passes a standstill: backwards it ends with the chord that begins there.
-        let before = self.chords.chord(self.number.wrapping_add(1));
-        let stands = self.passed > 0.0 && if self.forwards { chord } else { before }.length < 0.0;
-        (self.left != 0 && chord.length != 0.0 && !stands).then_some(chord)
-    }
-
-    /// Goes to this length, if there are chords for it. Lengths rise from call to call.
+    /// Goes to this length, if there are chords for it. Lengths rise from call to call. No arm
+    /// passes a standstill: backwards it ends with the chord that begins there.
     fn reach(&mut self, length: f32) -> bool {
-        while let Some(chord) = self.chord() {
-            let own = fabsf(chord.length);
-            let part = own.min(length - self.passed) / DIRECTION_UNITS;
-            let mut at = self.base;
-            at.iter_mut().zip(chord.direction).for_each(|(at, direction)| *at += f32::from(direction) * part);
-            if own >= length - self.passed {
-                self.at = at;
-                return true;
+        let Arm { chords, forwards, mut number, mut left, mut passed, mut base, .. } = *self;
+        let along = |base: [f32; 4], direction: [i16; 4], part: f32| {
+            let [a, b, c, d] = direction.map(|direction| f32::from(direction) * part);
+            [base[0] + a, base[1] + b, base[2] + c, base[3] + d]
+        };
+        let to_next = if forwards { 1 } else { u32::MAX };
+        let mut reached = false;
+        while left != 0 {
+            let Chord { direction, length: signed } = chords.chord(number);
+            if signed <= 0.0 && (signed == 0.0 || forwards && passed > 0.0) {
+                left = 0;
+                break;
             }
-            (self.base, self.passed, self.left) = (at, self.passed + own, self.left - 1);
-            self.number = if self.forwards { self.number.wrapping_add(1) } else { self.number.wrapping_sub(1) };
+            let end = passed + fabsf(signed);
+            if end >= length {
+                self.at = along(base, direction, length - passed);
+                reached = true;
+                break;
+            }
+            base = along(base, direction, fabsf(signed));
+            (passed, number, left) = (end, number.wrapping_add(to_next), left - 1);
+            if signed < 0.0 && !forwards {
+                left = 0;
+            }
         }
-        false
+        (self.number, self.left, self.passed, self.base) = (number, left, passed, base);
+        reached
     }
 }

@@ -47,7 +47,7 @@ impl Program {
             )));
         }
         let drawing = Drawing { machine: arguments.machine.clone(), pass_stops: true, ..Drawing::default() };
-        let found = import::job(path, &drawing, None)?;
+        let found = import::job(path, &drawing, None, true)?;
         let bytes = input::read(path, input::Role::Job)
             .map_err(|error| Failure::Input(format!("{name}: the program cannot be read: {error}")))?;
         let lines = String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect();
@@ -56,7 +56,7 @@ impl Program {
             found.extent.marks.iter().find(|row| row.0 == letter).map(of)
         };
         let marks = side('X').zip(side('Y')).map(|(x, y)| [x, y]);
-        Ok(Program { name, lines, marks, seconds: found.extent.seconds })
+        Ok(Program { name, lines, marks, seconds: found.extent.seconds.unwrap_or(0.0) })
     }
 }
 
