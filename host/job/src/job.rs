@@ -67,8 +67,6 @@ pub struct Step {
     pub column: u32,
     /// The statement's bytes in the script.
     pub span: std::ops::Range<usize>,
-    /// The statement as it is written, on one line.
-    pub text: String,
     /// What it does.
     pub action: Action,
 }

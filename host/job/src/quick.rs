@@ -31,7 +31,7 @@ impl Quick<'_> {
         let (function, body) = (function.into(), body.to_vec());
         let call = Call { function, opcode, body, outs: Vec::new(), may_fail: false };
         let span = at..at + text.len();
-        Step { line, column: 1, span, text: text.to_owned(), action: Action::Call(call) }
+        Step { line, column: 1, span, action: Action::Call(call) }
     }
 }
 

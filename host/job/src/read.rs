@@ -256,8 +256,7 @@ impl<'a> Reader<'a> {
         }
         let span = self.tokens[start].span.start..self.before().end;
         let (line, column) = self.lines.place(self.text, span.start);
-        let text = self.text.get(span.clone()).unwrap_or("").split_whitespace().collect::<Vec<_>>().join(" ");
-        self.steps.push(Step { line, column, span, text, action });
+        self.steps.push(Step { line, column, span, action });
     }
 
     /// Line of a token.
@@ -276,13 +275,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The `;` belongs to the text of the step that was pushed for this statement.
+    /// The `;` belongs to the step that was pushed for this statement.
     pub(crate) fn finish(&mut self, start: usize) {
         let span = self.tokens[start].span.start..self.before().end;
         let (line, column) = self.lines.place(self.text, span.start);
-        let text = self.text.get(span.clone()).unwrap_or("").split_whitespace().collect::<Vec<_>>().join(" ");
         if let Some(step) = self.steps.last_mut().filter(|step| (step.line, step.column) == (line, column)) {
-            (step.text, step.span) = (text, span);
+            step.span = span;
         }
     }
 }

@@ -331,16 +331,15 @@ fn a_wait_under_an_endless_motion_is_refused() {
 
 #[test]
 fn what_the_manuals_print_around_a_listing_is_accepted() {
-    let job = good(
-        "```c\n#include \"stdafx.h\"\nint main(int argc, char* argv[])\n{\n  short sRtn;\n  ......\n  ……\n  . . .\n  sRtn = GTN_Open();\n  \
-         commandhandler(\"GTN_Open\", sRtn);\n  sRtn=GTN_AxisOn（1，1）；// 伺服使能\n  printf(“ok”);\n```\n\n```\n}\nGT_AxisOff(1);\ngetch();\nreturn 0;\n}\n```\n",
-    );
+    let text = "```c\n#include \"stdafx.h\"\nint main(int argc, char* argv[])\n{\n  short sRtn;\n  ......\n  ……\n  . . .\n  sRtn = GTN_Open();\n  \
+         commandhandler(\"GTN_Open\", sRtn);\n  sRtn=GTN_AxisOn（1，1）；// 伺服使能\n  printf(“ok”);\n```\n\n```\n}\nGT_AxisOff(1);\ngetch();\nreturn 0;\n}\n```\n";
+    let job = good(text);
     let calls = calls(&job);
-    assert_eq!(calls.iter().map(|call| call.function.as_str()).collect::<Vec<_>>(), ["GTN_AxisOn", "GT_AxisOff"]);
+    assert_eq!(calls.iter().map(|call| call.function.as_ref()).collect::<Vec<_>>(), ["GTN_AxisOn", "GT_AxisOff"]);
     assert_eq!(job.warnings.len(), 1);
     assert!(job.warnings[0].message.contains("closes nothing"));
     assert_eq!(
-        (job.steps[0].line, job.steps[0].column, job.steps[0].text.as_str()),
+        (job.steps[0].line, job.steps[0].column, &text[job.steps[0].span.clone()]),
         (11, 3, "sRtn=GTN_AxisOn（1，1）；")
     );
     good("void commandhandler(char *command, short error)\n{ if(error) printf(\"x\"); }\nGT_AxisOn(1);");
