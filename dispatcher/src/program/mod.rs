@@ -110,7 +110,7 @@ struct Ending {
 servo::state! {
     /// The program queue.
     pub struct Program<'a> {
-        lane: TickQueue<'a, PROGRAM_ENTRIES> = TickQueue::new(ring, PROGRAM_FLAG),
+        pub(crate) lane: TickQueue<'a, PROGRAM_ENTRIES> = TickQueue::new(ring, PROGRAM_FLAG),
         records: Records = Records::new(),
         replies: PendingReplies<AWAITING_REPLIES, AWAITING_VALUES> = PendingReplies::new(),
         state: ProgramState = ProgramState::Empty,
@@ -362,12 +362,6 @@ impl<'a> Program<'a> {
             renew(view, seq);
         }
         self.script.pauses.renew(view);
-    }
-
-    /// Advances the numbers of the lane, for tests of counters.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_counters(&mut self, entries: u32) {
-        self.lane.advance_counters(entries);
     }
 
     /// Does all that is possible now. True if something was done.

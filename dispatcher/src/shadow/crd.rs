@@ -301,13 +301,6 @@ impl CrdShadow {
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         sampled.runs || self.busy.is_some_and(|seq| !executed(view, seq))
     }
-    /// Advances the counts of entries and motions of its empty FIFOs, for tests.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_counters(&mut self, by: u32) {
-        for PathData { given, over, motions, .. } in self.fifos.iter_mut().map(|path| &mut path.data) {
-            [given, over, motions].into_iter().for_each(|count| *count = count.wrapping_add(by));
-        }
-    }
     /// Motions of a FIFO that are done, and those that remain.
     pub fn segments(&self, sampled: &CrdView, fifo: u8) -> (u32, u32) {
         let index = usize::from(fifo & 1);

@@ -94,7 +94,7 @@ state! {
         /// The instant up to which all boundaries have been passed, and the speed there.
         time: FineNs = 0,
         speed: Float = Float::ZERO,
-        cursors: [Cursor; 2] = [Cursor::NEW; 2],
+        pub(crate) cursors: [Cursor; 2] = [Cursor::NEW; 2],
         /// The motion in force, and the one after it, made ahead in ticks that have time for it.
         motions: Pair<Prepared> = Pair { at: 0, both: [Prepared::NONE; 2] },
         /// Its position while it does not move.
@@ -329,16 +329,6 @@ impl Path {
     pub fn clear(&mut self, fifo: u8) {
         self.discard_prepared();
         self.cursor(fifo).clear();
-    }
-
-    /// Its FIFOs, which are empty, have executed this many entries and motions more: see
-    /// [`crate::tick::Tick::advance_fifo_counters`].
-    #[cfg(feature = "test-hooks")]
-    pub(crate) fn advance_counters(&mut self, by: u32) {
-        self.discard_prepared();
-        for Cursor { next, done, left_at, .. } in &mut self.cursors {
-            [next, done, left_at].into_iter().for_each(|count| *count = count.wrapping_add(by));
-        }
     }
 
     /// At standstill, its position gets the name `here`: its axes have other user positions now.

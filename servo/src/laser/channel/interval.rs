@@ -92,7 +92,7 @@ impl Channel {
         if self.planned != 0 {
             self.on_time.add(self.planned);
             self.planned = 0;
-            self.published.on_time = self.on_time.units();
+            self.published.on_time = self.on_time.units;
         }
     }
 
@@ -341,7 +341,7 @@ impl Channel {
         (published.commanded, published.gate) = (self.owner.is_commanded(), self.gate.level);
         published.owners = self.owner.owners();
         (published.switch, published.light) = (self.out.switch, self.out.light);
-        (published.direct, published.on_time) = (self.law.direct, self.on_time.units());
+        (published.direct, published.on_time) = (self.law.direct, self.on_time.units);
         if changed {
             published.changes = published.changes.wrapping_add(1);
             let Energy { mode, connector, width, carrier, .. } = self.energy;

@@ -17,11 +17,11 @@ pub(super) struct ActiveGear {
 state! {
     /// The position in one FIFO.
     #[derive(Debug, Clone, Copy)]
-    pub(super) struct Cursor {
+    pub(crate) struct Cursor {
         /// Counter of the next entry.
-        pub(super) next: u32 = 0,
+        pub(crate) next: u32 = 0,
         /// Motions completed.
-        pub(super) done: u32 = 0,
+        pub(crate) done: u32 = 0,
         /// The motion before `next`, or the move that is waited for, is not over.
         pub(super) inside: bool = false,
         /// It was interrupted with something to do, at `position`.
@@ -39,7 +39,7 @@ state! {
         pub(super) again: bool = false,
         pub(super) reported: u32 = 0,
         /// Motions before this entry have been left: what was geared to them has gone along.
-        pub(super) left_at: u32 = 0,
+        pub(crate) left_at: u32 = 0,
     }
     pub(super) const NEW;
 }

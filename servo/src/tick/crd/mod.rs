@@ -49,7 +49,7 @@ state! {
         awaited: Option<(Axis, Ns)> = None,
         /// Of the motion in force, and of the one after it.
         clearance: [Clearance; 2] = [Clearance::Unknown; 2],
-        path: Path = Path::IDLE,
+        pub(crate) path: Path = Path::IDLE,
         /// At standstill: the FIFO that will probably be started, and the scans before its start is
         /// prepared.
         likely: u8 = 0,
@@ -71,18 +71,8 @@ impl CrdState {
         FifoEnds { ends: self.published.ends }
     }
 
-    /// Its FIFOs have carried out so many entries more: see
-    /// [`crate::tick::Tick::advance_fifo_counters`].
-    #[cfg(feature = "test-hooks")]
-    pub(crate) fn advance_fifo_counters(&mut self, by: u32) {
-        let CrdView { ends, released, done, .. } = &mut self.published;
-        [ends, released, done].into_iter().flatten().for_each(|count| *count = count.wrapping_add(by));
-        self.path.advance_counters(by);
-        self.mark_changed();
-    }
-
     /// Something other than the position on the path differs from the last view.
-    fn mark_changed(&mut self) {
+    pub(crate) fn mark_changed(&mut self) {
         self.published.changes = self.published.changes.wrapping_add(1);
         self.published.moves = self.published.moves.wrapping_add(1);
     }
