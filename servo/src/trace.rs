@@ -71,7 +71,7 @@ impl Trace {
 
     /// Hands a sample over, or counts it as lost.
     #[inline]
-    pub(crate) fn put(&mut self, sample: Sample, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    pub(crate) fn put(&mut self, sample: Sample, samples: &mut Producer<Sample, TRACE_SAMPLES>) {
         if samples.push(sample).is_err() {
             self.lost = self.lost.saturating_add(1);
         }
@@ -83,7 +83,7 @@ impl Trace {
         &mut self,
         channel: u8,
         carried: [Action; 3],
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
+        samples: &mut Producer<Sample, TRACE_SAMPLES>,
     ) {
         for action in carried {
             self.put(Sample { row: 0, of: Traced::Action { channel, at: 0, action } }, samples);
@@ -94,7 +94,7 @@ impl Trace {
     pub(crate) fn record_outputs_carried(
         &mut self,
         levels: GeneralOutputs,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
+        samples: &mut Producer<Sample, TRACE_SAMPLES>,
     ) {
         if self.chosen.outputs {
             self.levels = levels;
@@ -108,7 +108,7 @@ impl Trace {
         &mut self,
         at: u32,
         levels: GeneralOutputs,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
+        samples: &mut Producer<Sample, TRACE_SAMPLES>,
     ) {
         if self.chosen.outputs && levels != self.levels && self.every != 0 {
             self.levels = levels;
@@ -120,7 +120,7 @@ impl Trace {
     pub(crate) fn record_analog_carried(
         &mut self,
         tables: &PowerTables,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
+        samples: &mut Producer<Sample, TRACE_SAMPLES>,
     ) {
         if self.chosen.outputs {
             for channel in 0..ANALOG as u8 {
@@ -138,7 +138,7 @@ impl Trace {
         at: u32,
         channel: u8,
         value: i16,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
+        samples: &mut Producer<Sample, TRACE_SAMPLES>,
     ) {
         if self.chosen.outputs && self.every != 0 {
             self.put(Sample { row: self.tick.wrapping_add(1), of: Traced::Analog { at, channel, value } }, samples);
@@ -146,7 +146,7 @@ impl Trace {
     }
 
     /// From the tick that was computed on, the ticks have this period.
-    pub(crate) fn record_period(&mut self, ns: u32, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    pub(crate) fn record_period(&mut self, ns: u32, samples: &mut Producer<Sample, TRACE_SAMPLES>) {
         if self.every != 0 {
             self.put(Sample { row: self.tick, of: Traced::Period { ns } }, samples);
         }
@@ -154,7 +154,7 @@ impl Trace {
 
     /// A channel's plan for the interval that begins with the next tick.
     #[inline]
-    pub(crate) fn record(&mut self, channel: u8, plan: &LaserPlan, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    pub(crate) fn record(&mut self, channel: u8, plan: &LaserPlan, samples: &mut Producer<Sample, TRACE_SAMPLES>) {
         let is_chosen = self.every != 0 && self.chosen.edges && self.chosen.lasers >> channel & 1 == 1;
         if is_chosen && (plan.safe_state || !plan.actions().is_empty()) {
             self.record_all(channel, plan, samples);
@@ -162,7 +162,7 @@ impl Trace {
     }
 
     #[inline(never)]
-    fn record_all(&mut self, channel: u8, plan: &LaserPlan, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    fn record_all(&mut self, channel: u8, plan: &LaserPlan, samples: &mut Producer<Sample, TRACE_SAMPLES>) {
         let (row, bit) = (self.tick.wrapping_add(1), 1 << (channel & 7));
         if !plan.safe_state {
             self.resting &= !bit;

@@ -201,7 +201,7 @@ fn startable<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
 pub fn start<const AXES: usize>(
     context: &mut Context<AXES>,
     queues: &mut [[PathQueue; 2]],
-    stores: PathStores<'_>,
+    stores: PathStores,
     r: &CrdStart,
 ) -> Admitted<Answer> {
     let crds = context.crd_mask(r.core.get(), r.mask.get().into(), 1)?;

@@ -23,7 +23,7 @@ use servo::tick_command::TickCommand;
 impl Program<'_> {
     /// A Stop in the immediate lane, or link loss: a running program ends, and its rest is answered
     /// `rest`. The ProgramDrop is pushed before the Stop, so that no entry starts the axes again.
-    pub fn stop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, rest: Reason) {
+    pub fn stop<const AXES: usize>(&mut self, admission: &mut Admission<AXES>, rest: Reason) {
         if self.state == ProgramState::Running {
             self.cut(ProgramState::Stopped);
             self.ending.reason = rest;
@@ -33,7 +33,7 @@ impl Program<'_> {
 
     /// Abort: a program that is held or runs ends, and its rest is discarded. The ProgramDrop is
     /// pushed before the Abort.
-    pub fn abort<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+    pub fn abort<const AXES: usize>(&mut self, admission: &mut Admission<AXES>) {
         if self.is_active() {
             self.cut(ProgramState::Stopped);
             self.push_drop(admission);
@@ -126,7 +126,7 @@ impl Program<'_> {
 
     /// Makes the tick drop what is in the ring, as soon as the lane has room; after a failure it
     /// aborts, too.
-    pub(super) fn push_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+    pub(super) fn push_drop<const AXES: usize>(&mut self, admission: &mut Admission<AXES>) {
         // A program that has failed switches on and moves nothing any more: nobody is asked first.
         let fails = self.state == ProgramState::Failed;
         if self.ending.drop != ProgramDrop::Due || admission.lane.room() < 1 + usize::from(fails) {
@@ -218,12 +218,7 @@ impl Program<'_> {
 
     /// Answers an entry that was dropped. Of a PathMany the calls may be executed that came before
     /// the last part.
-    fn discarded<const AXES: usize>(
-        &self,
-        item: &Awaiting,
-        reading: &Reading<'_, AXES>,
-        out: &mut ReplyWriter,
-    ) -> Sent {
+    fn discarded<const AXES: usize>(&self, item: &Awaiting, reading: &Reading<AXES>, out: &mut ReplyWriter) -> Sent {
         let refusal = Refused::new(self.ending.reason).item(self.joined_done.into()).wire;
         match item.answer {
             Answer::Joined { crd, fifo, lasts_ms, values, .. } if self.joined_done > 0 => {

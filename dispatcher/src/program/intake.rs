@@ -236,19 +236,14 @@ impl Program<'_> {
     }
 
     /// Pushes one entry; the caller has checked that there is room.
-    fn push<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        command: TickCommand,
-        change: ShadowChange,
-    ) {
+    fn push<const AXES: usize>(&mut self, admission: &mut Admission<AXES>, command: TickCommand, change: ShadowChange) {
         if self.lane.push(command, change, self.script.delay, &mut admission.admitted) {
             self.script.push(&command, self.lane.last());
         }
     }
 
     /// Pushes what is staged; the caller has checked that there is room.
-    fn push_staged<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+    fn push_staged<const AXES: usize>(&mut self, admission: &mut Admission<AXES>) {
         for index in 0..admission.staged.commands().len() {
             if let Some(&(command, change)) = admission.staged.commands().get(index) {
                 self.push(admission, command, change);
@@ -265,7 +260,7 @@ impl Program<'_> {
 
     pub(super) fn commit_data<const AXES: usize>(
         &mut self,
-        admission: &mut Admission<'_, AXES>,
+        admission: &mut Admission<AXES>,
         head: RecordHead,
         written: &Written,
     ) {
@@ -284,7 +279,7 @@ impl Program<'_> {
     /// not over before all its calls are taken.
     fn take_joined<const AXES: usize>(
         &mut self,
-        admission: &mut Admission<'_, AXES>,
+        admission: &mut Admission<AXES>,
         view: &View<AXES>,
         head: RecordHead,
         advance: Advance,
@@ -309,7 +304,7 @@ impl Program<'_> {
 
     /// Pushes the pending commits. There is room for them: no record is admitted without it, and
     /// data itself takes none.
-    pub fn flush<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+    pub fn flush<const AXES: usize>(&mut self, admission: &mut Admission<AXES>) {
         if !self.has_pending_commits() || self.lane.room() < self.pending_commits.count() {
             return;
         }

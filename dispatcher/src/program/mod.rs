@@ -161,7 +161,7 @@ impl<'a> Program<'a> {
 
     /// Whether the instant of the record in hand is over, and all that was before it in either
     /// lane: what a look-ahead gives to its path goes through the immediate one.
-    fn is_past<const AXES: usize>(&self, admission: &Admission<'_, AXES>, view: &View<AXES>) -> bool {
+    fn is_past<const AXES: usize>(&self, admission: &Admission<AXES>, view: &View<AXES>) -> bool {
         let instant = self.script.instant_after(view);
         let quiet = !self.lane.in_flight() && !admission.lane.in_flight() && self.replies.items.is_empty();
         self.runs(view) && quiet && view.now.0 > instant
@@ -211,7 +211,7 @@ impl<'a> Program<'a> {
 
     /// Data has been written to a FIFO. The clock waits for a stream: for data that has waited for
     /// room, and for data that follows other data, or a start, of its instant and comes after that.
-    fn stream<const AXES: usize>(&mut self, admission: &Admission<'_, AXES>, view: &View<AXES>, fifo: (FifoOf, u8)) {
+    fn stream<const AXES: usize>(&mut self, admission: &Admission<AXES>, view: &View<AXES>, fifo: (FifoOf, u8)) {
         let has_waited = self.waits_for.take().is_some();
         let follows = || self.script.delay == 0 && admission.drains(view, fifo);
         let is_past = self.script.instant_from(view.script_zero.0) < view.now.0;
@@ -271,7 +271,7 @@ impl<'a> Program<'a> {
     /// ProgramStart, ProgramClear, ProgramStatus.
     pub fn control<const AXES: usize>(
         &mut self,
-        admission: &mut Admission<'_, AXES>,
+        admission: &mut Admission<AXES>,
         record: &RequestRecord,
     ) -> Admitted<RecordOutcome> {
         match record.opcode {

@@ -60,7 +60,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
     /// ended.
-    pub fn update_from(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
+    pub fn update_from(&mut self, program: &mut Program, view: &View<AXES>) {
         let mine = self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
         let its = program.retire(view, &mut self.admission.executed);
         self.is_lagging = !(mine && its);
@@ -112,14 +112,14 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     }
 
     /// Goes on where replies that waited kept the executed state back.
-    pub fn catch_up(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
+    pub fn catch_up(&mut self, program: &mut Program, view: &View<AXES>) {
         if self.is_lagging {
             self.update_from(program, view);
         }
     }
 
     /// Answers what was executed. True if anything was answered.
-    pub fn answer(&mut self, view: &View<AXES>, program: &Program<'_>, out: &mut ReplyWriter) -> bool {
+    pub fn answer(&mut self, view: &View<AXES>, program: &Program, out: &mut ReplyWriter) -> bool {
         let mut progress = false;
         while let Some(&item) = self.replies.items.front() {
             if item.seq.is_some_and(|seq| !executed(view, seq)) {

@@ -226,7 +226,7 @@ impl AxisState {
     #[inline(never)]
     pub(crate) fn step_follow(
         &mut self,
-        master_sample: &MasterSample<'_>,
+        master_sample: &MasterSample,
         led: bool,
         limit: u64,
         context: (&impl FollowEntries, impl Fn(Input, u8) -> bool, &mut OutputActions),

@@ -249,7 +249,7 @@ impl PowerLaw {
 
     /// The power in force from the tick that is computed.
     #[inline(always)]
-    pub(super) fn power(&mut self, around: &FollowInputs<'_, impl Positions>) -> Power {
+    pub(super) fn power(&mut self, around: &FollowInputs<impl Positions>) -> Power {
         let PowerSum { base, low, high, part, speed, added, held, .. } = &self.mix;
         if *added == Added::FixedRatioSum {
             self.terms.advance(around.displacements, &self.distance);

@@ -484,7 +484,7 @@ impl Path {
         feed: FifoEnds,
         source: &impl PathEntries,
         sink: &mut impl Effects,
-        report: &mut PathReport<'_>,
+        report: &mut PathReport,
         may_prepare: bool,
     ) -> StepReport {
         let now = (next.0 as FineNs) << 32;

@@ -12,7 +12,7 @@ use ring::Producer;
 impl<const AXES: usize> Tick<AXES> {
     /// One row of the trace, of axes, coordinate systems and lasers in the present state.
     #[inline(never)]
-    pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut Producer<Sample, TRACE_SAMPLES>) {
         if row == 0 {
             self.trace.record_outputs_carried(self.general, samples);
         }
@@ -56,7 +56,7 @@ impl<const AXES: usize> Tick<AXES> {
         channel: u8,
         value: i16,
         tables: &crate::laser::PowerTables,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
+        samples: &mut Producer<Sample, TRACE_SAMPLES>,
     ) {
         tables.set_analog(channel, value);
         self.trace.record_analog(0, channel, value, samples);

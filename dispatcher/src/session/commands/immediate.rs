@@ -34,7 +34,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
     /// Deals with a record of lane 0.
     pub fn immediate(
         &mut self,
-        program: &mut Program<'_>,
+        program: &mut Program,
         view: &View<AXES>,
         record: &RequestRecord,
         out: &mut ReplyWriter,

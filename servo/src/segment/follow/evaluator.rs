@@ -374,9 +374,9 @@ impl FollowRun {
     /// position is 0, for PASS.
     pub fn step<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        path: &MasterPath<'_>,
+        path: &MasterPath,
         named: i64,
-        context: &mut FollowContext<'_, S, L>,
+        context: &mut FollowContext<S, L>,
         mut track: Option<&mut PositionTrack>,
     ) -> FollowState {
         let (from, to) = path.ends();
@@ -405,7 +405,7 @@ impl FollowRun {
         now: Ns,
         from: Pos,
         to: TimedPosition,
-        context: &mut FollowContext<'_, S, L>,
+        context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
         context.base = (now.0 as FineNs) << 32;
         self.append(context);
@@ -423,8 +423,8 @@ impl FollowRun {
     #[inline(never)]
     pub(super) fn go<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        section: Section<'_>,
-        context: &mut FollowContext<'_, S, L>,
+        section: Section,
+        context: &mut FollowContext<S, L>,
         track: Option<&mut PositionTrack>,
     ) -> Option<FollowState> {
         let before = track.is_some().then_some((self.piece, self.progress, self.down));
@@ -449,7 +449,7 @@ impl FollowRun {
     }
 
     /// Data that was added belongs to the present pass: earlier ones had another length.
-    fn append<L>(&mut self, context: &mut FollowContext<'_, impl FollowEntries, L>) {
+    fn append<L>(&mut self, context: &mut FollowContext<impl FollowEntries, L>) {
         let end = context.setup.fifo(self.fifo).end;
         if end != self.end {
             if self.end != 0 && self.floor.0 != self.pass {
@@ -463,8 +463,8 @@ impl FollowRun {
     /// `section`.
     fn settle<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        section: &Section<'_>,
-        context: &mut FollowContext<'_, S, L>,
+        section: &Section,
+        context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
         if let Some(gear) = self.gear() {
             self.seek_geared(*gear);
@@ -495,8 +495,8 @@ impl FollowRun {
     fn act<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         index: u32,
-        section: &Section<'_>,
-        context: &mut FollowContext<'_, S, L>,
+        section: &Section,
+        context: &mut FollowContext<S, L>,
     ) -> bool {
         let entry = context.source.entry(self.fifo, index);
         let (knot, _) = entry.ends();
@@ -566,7 +566,7 @@ impl FollowRun {
     }
 
     /// The slave is held at the beginning of an entry.
-    fn hold<L>(&mut self, index: u32, context: &FollowContext<'_, impl FollowEntries, L>) {
+    fn hold<L>(&mut self, index: u32, context: &FollowContext<impl FollowEntries, L>) {
         let at = self.knot(index, context);
         self.far |= self.is_far(at.0);
         self.piece = Piece::standstill(Ns(0), 0, at.round());
@@ -574,7 +574,7 @@ impl FollowRun {
     }
 
     /// A delay or a wait is over with the master at `pos`: the next segment begins there.
-    fn resume<L>(&mut self, pos: Pos, context: &FollowContext<'_, impl FollowEntries, L>) {
+    fn resume<L>(&mut self, pos: Pos, context: &FollowContext<impl FollowEntries, L>) {
         self.wait = Wait::No;
         self.progress = self.directed(pos);
         self.furthest = self.progress;

@@ -117,10 +117,10 @@ impl Follower {
     #[inline(never)]
     pub(crate) fn step(
         &mut self,
-        master_sample: &MasterSample<'_>,
+        master_sample: &MasterSample,
         led: bool,
         from: Pos,
-        context: &mut FollowContext<'_, impl FollowEntries, impl Fn(Input, u8) -> bool>,
+        context: &mut FollowContext<impl FollowEntries, impl Fn(Input, u8) -> bool>,
     ) -> FollowState {
         let state = self.go_along(master_sample, led, from, context);
         if let FollowState::Ended { at } | FollowState::TimedOut { at } = state {
@@ -132,10 +132,10 @@ impl Follower {
     #[inline(always)]
     fn go_along(
         &mut self,
-        master_sample: &MasterSample<'_>,
+        master_sample: &MasterSample,
         led: bool,
         from: Pos,
-        context: &mut FollowContext<'_, impl FollowEntries, impl Fn(Input, u8) -> bool>,
+        context: &mut FollowContext<impl FollowEntries, impl Fn(Input, u8) -> bool>,
     ) -> FollowState {
         let MasterSample { now, period, .. } = *master_sample;
         let to = if let MasterPathKind::Filtered = master_sample.path {

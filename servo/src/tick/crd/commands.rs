@@ -48,7 +48,7 @@ pub(crate) enum Halt {
 
 impl<const AXES: usize> Tick<AXES> {
     /// SetCrdPrm, at standstill.
-    pub(crate) fn set_frame(&mut self, crd: Crd, frame: AxisMap, next: Ns, paths: PathStores<'_>) {
+    pub(crate) fn set_frame(&mut self, crd: Crd, frame: AxisMap, next: Ns, paths: PathStores) {
         let axes = frame.mask();
         let known = paths.get(crd.index()).is_some() && axes.0 & !self.in_use(axes).0 == 0;
         let moving =
@@ -198,7 +198,7 @@ impl<const AXES: usize> Tick<AXES> {
         crds: CrdMask,
         fifo1: CrdMask,
         next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
     ) {
         if let Some(refusal) = crds.crds().find_map(|crd| self.refuses_crd(crd, fifo1.has(crd) as u8, lane, seq)) {
             report_event(hand_overs.events, &mut self.events_lost, refusal);
@@ -333,7 +333,7 @@ impl<const AXES: usize> Tick<AXES> {
         halt: Halt,
         reason: StopReason,
         next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
     ) {
         let running = CrdMask(crds.0 & self.crds.running.0);
         for crd in running.crds() {
@@ -371,8 +371,8 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         crd: Crd,
         next: Ns,
-        hand_overs: &HandOvers<'_, '_, AXES>,
-        act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut PathEffects<'_>),
+        hand_overs: &HandOvers<AXES>,
+        act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut PathEffects),
     ) {
         let step_limit = self.step_limit;
         let Tick { crds, axes, edges, lasers, .. } = self;

@@ -148,7 +148,7 @@ enum StepResult {
 impl<const AXES: usize> Tick<AXES> {
     /// Every coordinate system that runs takes its step.
     #[inline(never)]
-    pub(crate) fn step_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn step_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         let until = Ns(next.0.wrapping_add(self.period.0));
         let (masters, running) = (self.order.masters, self.crds.running);
         let mut wants = self.lasers.wants();
@@ -188,7 +188,7 @@ impl<const AXES: usize> Tick<AXES> {
         crd: Crd,
         result: StepResult,
         next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
     ) -> Option<FollowedSpeeds> {
         // If several run, every second one in a tick prepares something.
         let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
@@ -213,7 +213,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Those whose paths have come to standstill get their state at standstill.
-    pub(crate) fn settle_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn settle_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
                 self.walk_crd(crd, next, false, false, hand_overs);
@@ -247,14 +247,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The full step, which concerns more than the path itself; `there`: the path is at its
     /// position already.
     #[inline(never)]
-    fn walk_crd(
-        &mut self,
-        crd: Crd,
-        next: Ns,
-        there: bool,
-        may_prepare: bool,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
-    ) {
+    fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, hand_overs: &mut HandOvers<AXES>) {
         let (period, step_limit) = (self.period, self.step_limit);
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), hand_overs.paths.get(crd.index())) else {
@@ -391,7 +384,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// The path is at standstill.
     #[inline(never)]
-    fn come_to_standstill(&mut self, crd: Crd, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    fn come_to_standstill(&mut self, crd: Crd, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
         // An interrupted FIFO is probably continued: after FIFO 1, the FIFO 0 that it interrupted.

@@ -119,7 +119,7 @@ impl Crds {
     /// One of those at standstill prepares a part of its next start: the next in turn, lowest
     /// first.
     #[inline(never)]
-    pub(crate) fn prepare_start(&mut self, steps: u32, paths: PathStores<'_>) {
+    pub(crate) fn prepare_start(&mut self, steps: u32, paths: PathStores) {
         let resting = CrdMask(self.unprepared.0 & !self.running.0);
         let after = CrdMask(resting.0 & !self.turn);
         let Some(crd) = (if after.0 == 0 { resting } else { after }).crds().next() else { return };
