@@ -31,7 +31,7 @@ use crate::segment::follow::SlaveOrder;
 pub use crate::segment::pt::{SEGMENTS, SegmentStore};
 use crate::tables::TableStores;
 use crate::tick_command::{Lane, LaneEntry, Supervision, TickCommand};
-use crate::trace::{Chosen, Trace};
+use crate::trace::{Chosen, Trace, TraceSamples};
 use crate::units::{Axis, AxisMask, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, Sample, StopReason, View};
 use crd::Crds;
@@ -290,7 +290,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The ticks after the one computed have another period.
     #[cold]
     #[inline(never)]
-    fn renew_period(&mut self, period: Ns, samples: &mut Producer<Sample, TRACE_SAMPLES>) {
+    fn renew_period(&mut self, period: Ns, samples: &mut TraceSamples) {
         (self.period, self.step_limit) = (period, in_a_tick(self.limit_per_us, period.0));
         self.trace.record_period(period.0 as u32, samples);
     }

@@ -13,8 +13,7 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use servo::laser::FilterRate;
-use servo::path::axis_map;
-use servo::path::{DIMENSIONS, FeedOverride, PathStores};
+use servo::path::{DIMENSIONS, FeedOverride, PathStores, axis_map};
 use servo::segment::ramp::Accel;
 use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{AxisMask, Crd, Pos};

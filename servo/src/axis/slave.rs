@@ -10,9 +10,7 @@ use crate::segment::follow::{
     MasterSample, Method, OutputActions, PackedWait,
 };
 use crate::segment::piece::Motion;
-use crate::segment::profile::Generator;
-use crate::segment::pt::Segments;
-use crate::segment::pvt::PvtTables;
+use crate::segment::profile::{Generator, MotionData};
 use crate::segment::ramp::Moving;
 use crate::status;
 use crate::tick_command::MotionMode;
@@ -72,7 +70,7 @@ impl AxisState {
 
     /// At standstill, what FollowStart of a FIFO would begin, with its first piece.
     #[inline(never)]
-    pub(super) fn follow_prepared(&mut self, source: &(impl Segments + PvtTables + FollowEntries)) {
+    pub(super) fn follow_prepared(&mut self, source: &(impl MotionData + FollowEntries)) {
         let Some(master) = self.follow.master else { return };
         let fifo = self.follow.is_empty(0) as u8;
         if self.follow.is_empty(fifo) {

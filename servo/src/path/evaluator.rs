@@ -23,12 +23,11 @@ pub use cursor::GEARS;
 pub use feed_override::FeedOverride;
 pub use interface::{Effects, FifoEnds, PathReport, PathSettings, PathStop, Step, StepReport, TrajectorySample};
 
-use super::DIMENSIONS;
-use super::PathSpeed;
 use super::entry::MotionSpeeds;
 use super::geometry::{Curvature, GearMotion, GeometryStep, MotionGeometry};
 use super::speed_profile::{Phase, SpeedPlan, SpeedPlanDraft};
 use super::store::PathEntries;
+use super::{DIMENSIONS, PathPos, PathSpeed};
 use crate::math::float::Float;
 use crate::segment::piece::{Motion, Piece};
 use crate::units::{Axis, Exact, FineNs, Ns, Pos};
@@ -98,7 +97,7 @@ state! {
         /// The motion in force, and the one after it, made ahead in ticks that have time for it.
         motions: Pair<Prepared> = Pair { at: 0, both: [Prepared::NONE; 2] },
         /// Its position while it does not move.
-        here: [Pos; DIMENSIONS] = ORIGIN,
+        here: PathPos = ORIGIN,
         /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
         pub rules: PathSettings = PathSettings::POWER_ON,
         planning: Planning = Planning { unfinished: false, draft: GeometryStep::Nothing, sketch: SpeedPlanDraft::NONE },
@@ -289,7 +288,7 @@ impl WalkBudget {
 
 impl Path {
     /// At standstill here, FIFOs empty (SetCrdPrm).
-    pub fn position(&mut self, at: [Pos; DIMENSIONS]) {
+    pub fn position(&mut self, at: PathPos) {
         // In place, field by field: a path is some kilobytes. The pattern names the fields that
         // stay; they are not read before they are made anew.
         let Path {
@@ -332,13 +331,13 @@ impl Path {
     }
 
     /// At standstill, its position gets the name `here`: its axes have other user positions now.
-    pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
+    pub fn rename(&mut self, here: PathPos) {
         self.discard_prepared();
         (self.here, self.fresh) = (here, true);
     }
 
     /// Its position while it does not move.
-    pub fn here(&self) -> [Pos; DIMENSIONS] {
+    pub fn here(&self) -> PathPos {
         self.here
     }
 

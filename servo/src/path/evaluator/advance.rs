@@ -9,7 +9,7 @@ use crate::math::float::Float;
 use crate::path::entry::{EntryContent, EntryEffect, PathEntry};
 use crate::path::speed_profile::Phase;
 use crate::path::store::PathEntries;
-use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS};
+use crate::path::{ENDLESS_WAIT_FINE_NS, PathPos};
 use crate::units::{Exact, FineNs, Pos};
 
 impl Path {
@@ -76,7 +76,7 @@ impl Path {
     /// The same for one boundary, if it only enters what was made ahead. `admits` says whether the
     /// path may be where the motion in force ends. Returns whether the boundary was passed.
     #[inline(always)]
-    pub fn turn(&mut self, feed: FifoEnds, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
+    pub fn turn(&mut self, feed: FifoEnds, admits: impl FnOnce(&PathPos) -> bool) -> bool {
         self.turn_at::<true>(feed, admits).is_some()
     }
 
@@ -87,7 +87,7 @@ impl Path {
     pub(crate) fn turn_at<const SWEPT: bool>(
         &mut self,
         feed: FifoEnds,
-        admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool,
+        admits: impl FnOnce(&PathPos) -> bool,
     ) -> Option<[u32; 2]> {
         match self.fast.turn {
             FastPathCase::Motion => {}

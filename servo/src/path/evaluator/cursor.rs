@@ -1,6 +1,6 @@
 //! The position of a path in one FIFO, and the axes geared to its motion.
-use crate::path::DIMENSIONS;
 use crate::path::geometry::GearMotion;
+use crate::path::{DIMENSIONS, PathPos};
 use crate::units::{Axis, Exact, FineNs, Pos};
 
 /// Axes geared to one motion.
@@ -26,9 +26,9 @@ state! {
         pub(super) inside: bool = false,
         /// It was interrupted with something to do, at `position`.
         pub(super) kept: bool = false,
-        pub(super) position: [Pos; DIMENSIONS] = ORIGIN,
+        pub(super) position: PathPos = ORIGIN,
         /// Of that motion: where it began, and the path length so far.
-        pub(super) from: [Pos; DIMENSIONS] = ORIGIN,
+        pub(super) from: PathPos = ORIGIN,
         pub(super) distance: Exact = Exact(0),
         /// The remainder of a wait.
         pub(super) left: FineNs = 0,
@@ -50,7 +50,7 @@ pub(super) struct SampledPosition {
     pub(super) next: u32,
     pub(super) done: u32,
     pub(super) inside: bool,
-    pub(super) from: [Pos; DIMENSIONS],
+    pub(super) from: PathPos,
     pub(super) distance: Pos,
 }
 
@@ -60,7 +60,7 @@ impl SampledPosition {
 }
 
 const NO_GEAR: ActiveGear = ActiveGear { axis: Axis::FIRST, pulses: 0, along: GearMotion::NONE };
-pub(super) const ORIGIN: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS];
+pub(super) const ORIGIN: PathPos = [Pos(0); DIMENSIONS];
 
 impl Cursor {
     /// Entries that are over.

@@ -5,9 +5,8 @@
 //! Fails: a position that is not admitted ends the motion before it.
 use super::interface::{Effects, FifoEnds, PathReport, PathStop};
 use super::{PackedPhase, Path, PathStage};
-use crate::path::DIMENSIONS;
-use crate::path::PathSpeed;
 use crate::path::geometry::Curvature;
+use crate::path::{DIMENSIONS, PathPos, PathSpeed};
 use crate::segment::piece::Motion;
 use crate::units::{Exact, FineNs, Ns, Pos};
 
@@ -46,7 +45,7 @@ impl Path {
     /// Whether it and its geared axes may be at `position`, this path length into the motion in
     /// force.
     #[inline(always)]
-    pub(super) fn admits(&self, position: &[Pos; DIMENSIONS], distance: Exact, sink: &mut impl Effects) -> bool {
+    pub(super) fn admits(&self, position: &PathPos, distance: Exact, sink: &mut impl Effects) -> bool {
         sink.admits(position)
             && self.gears_of(self.fifo).all(|gear| sink.admits_gear(gear.axis, gear.along.at(distance)))
     }

@@ -6,7 +6,7 @@
 use super::effects::PathEffects;
 use super::{AxisIndices, AxisMap, Clearance, CrdState, PREPARE_AFTER_SCANS};
 use crate::laser::{Cause, EncoderSpeed, FilterRate, PathRun};
-use crate::path::{DIMENSIONS, EntryStore, FifoEnds, Path, PathSettings, PathStores};
+use crate::path::{DIMENSIONS, EntryStore, FifoEnds, Path, PathPos, PathSettings, PathStores};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
 use crate::status;
@@ -135,7 +135,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// The position of a coordinate system at the set-points of its axes.
-    fn position_of(&self, crd: Crd) -> [Pos; DIMENSIONS] {
+    fn position_of(&self, crd: Crd) -> PathPos {
         let mut here = [Pos(0); DIMENSIONS];
         let Some(state) = self.crds.get(crd) else { return here };
         let Some(frame) = &state.published.frame else { return here };

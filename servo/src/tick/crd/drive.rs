@@ -8,7 +8,7 @@ use super::path_soft_limits::is_free;
 use super::{AxisMap, Clearance, CrdState, Halt};
 use crate::axis::AxisState;
 use crate::laser::{Cause, FollowedSpeeds, PathSpeed};
-use crate::path::{DIMENSIONS, EntryStore, FifoEnds, PathReport, PathStop};
+use crate::path::{EntryStore, FifoEnds, PathPos, PathReport, PathStop};
 use crate::segment::piece::Scaled;
 use crate::tick::hand_overs::HandOvers;
 use crate::tick::{Tick, report_event};
@@ -111,7 +111,7 @@ impl CrdState {
     fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> Option<[u32; 2]> {
         let (feed, over, [clearance, next]) = (self.feed(), self.path.turns_over(), self.clearance);
         let (axis_indices, origin) = (&self.axis_indices, &self.published.origin);
-        let free = |end: &[Pos; DIMENSIONS]| clearance == Clearance::Wide || is_free(axis_indices, origin, end, axes);
+        let free = |end: &PathPos| clearance == Clearance::Wide || is_free(axis_indices, origin, end, axes);
         let counts = self.path.turn_at::<AFTER>(feed, free)?;
         if over {
             self.clearance = [next, Clearance::Unknown];

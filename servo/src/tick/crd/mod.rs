@@ -24,8 +24,7 @@ pub(crate) use commands::Halt;
 use path_soft_limits::Clearance;
 
 use crate::laser::EncoderSpeed;
-use crate::path::axis_map::AxisIndices;
-use crate::path::axis_map::AxisMap;
+use crate::path::axis_map::{AxisIndices, AxisMap};
 use crate::path::{FifoEnds, Path, PathStores};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
