@@ -1,4 +1,5 @@
-//! A long life in one step, the thread's half: a hook for tests, in no image (feature `test-hooks`).
+//! A long life in one step, the thread's half: a hook for tests, in no image (feature
+//! `test-hooks`).
 //!
 //! In: how many entries. Out: every count of the thread as it would be then. The tick's half is
 //! [`Tick::advance_counters`](servo::tick::Tick::advance_counters); both advance alike.

@@ -285,7 +285,7 @@ impl<'a> Bench<'a> {
     /// The ratio that readers derive: pulse per 10⁶ units of the master's position is what a
     /// velocity is here.
     fn ratio(&self) -> BigInt {
-        let Scaled { m, e } = Motion { tau: self.run.position().1, ..self.run.piece().motion }.velocity();
+        let Scaled { m, e } = Motion { tau: self.run.position().1, ..self.run.piece.motion }.velocity();
         let ratio = BigInt::from(m) << (BITS + 22);
         (if e < 0 { ratio << -e } else { ratio >> e }) / 1_000_000
     }

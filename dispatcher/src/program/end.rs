@@ -133,7 +133,7 @@ impl Program<'_> {
             return;
         }
         admission.push(TickCommand::ProgramDrop, ShadowChange::None);
-        self.ending.drop = ProgramDrop::Pushed(admission.lane.last());
+        self.ending.drop = ProgramDrop::Pushed(admission.lane.last);
         if fails {
             admission.push(TickCommand::Abort, ShadowChange::Aborted);
         }

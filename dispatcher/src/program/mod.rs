@@ -132,8 +132,9 @@ servo::state! {
         overflowed: bool = false,
         /// Nothing more can be admitted before the tick or the client acts.
         settled: bool = true,
-        /// The record in hand waits for the machine and must not miss the tick.
-        urgent: bool = false,
+        /// The record in hand waits for the machine and must not miss the tick: it may become right
+        /// with any. One that waits for slots in a FIFO ahead of its time is not urgent.
+        pub(crate) urgent: bool = false,
         /// The data in hand waits for room in this FIFO, whose motion runs.
         waits_for: Option<(FifoOf, u8)> = None,
     }
@@ -227,12 +228,6 @@ impl<'a> Program<'a> {
         matches!(self.state, ProgramState::Held | ProgramState::Running)
     }
 
-    /// Whether the record in hand may become right with any tick. One that waits for slots in a
-    /// FIFO ahead of its time is not urgent.
-    pub fn is_urgent(&self) -> bool {
-        self.urgent
-    }
-
     fn is_dropping(&self) -> bool {
         self.ending.drop != ProgramDrop::None
     }
@@ -292,7 +287,7 @@ impl<'a> Program<'a> {
                 // All of the instant 0 is in the ring before the clock runs.
                 self.flush(admission);
                 admission.push(TickCommand::ProgramRun, ShadowChange::None);
-                self.run.start = Some(admission.lane.last());
+                self.run.start = Some(admission.lane.last);
                 self.script.clock = 0;
                 (self.reported.overruns[1], self.reported.answered) = (self.reported.overruns[0], (0, 0));
                 self.ending.strict = start.strict != 0;

@@ -174,7 +174,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     }
 
     fn await_last(&mut self, record: &RequestRecord, answer: Answer, own: bool) -> RecordOutcome {
-        let seq = self.admission.lane.in_flight().then(|| self.admission.lane.last());
+        let seq = self.admission.lane.in_flight().then_some(self.admission.lane.last);
         self.replies.push(Awaiting { opcode: record.opcode, tag: record.tag, seq, own, answer, ..Awaiting::BLANK });
         RecordOutcome::Taken
     }

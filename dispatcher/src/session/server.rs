@@ -293,7 +293,7 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         let link_loss_ms = self.handler.admission.executed.watch.link_loss_ms;
         let loss = self.heard.filter(|_| !self.lost && link_loss_ms != 0);
         let loss = loss.map(|heard| link_loss::instant(heard, link_loss_ms));
-        let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
+        let next_tick = self.program.urgent.then(|| self.time.0.saturating_add(1));
         let flush = self.program.flush_due(self.view.last()).map(|due| due.0);
         let feed = self.handler.admission.feed_due;
         let due = [self.link.next_deadline(), loss, next_tick, flush].into_iter().flatten().fold(feed, u64::min);

@@ -120,7 +120,7 @@ impl AxisState {
         if runs {
             let dec = self.ramps.stop_dec;
             // A pass that has ended by now is counted.
-            if self.profile.reports_pass() && self.profile.piece().elapsed(next) >= self.profile.piece().span {
+            if self.profile.reports_pass && self.profile.piece().elapsed(next) >= self.profile.piece().span {
                 self.publish_pass_of(true);
             }
             self.profile.enter_reached(next);
@@ -251,7 +251,7 @@ impl AxisState {
     #[inline(always)]
     fn publish_piece(&mut self, running: bool) {
         self.published.motion = self.profile.piece().motion;
-        if !running || self.profile.reports_pass() {
+        if !running || self.profile.reports_pass {
             self.publish_pass_of(running);
         }
     }

@@ -58,7 +58,7 @@ impl AxisState {
         if self.published.mode == MotionMode::Gear && self.follows() {
             return self.take_ratio();
         }
-        let prepared = matches!(self.profile.prepared(), Some(Generator::Follow(own)) if own.run.fifo() == fifo1 as u8);
+        let prepared = matches!(self.profile.prepared(), Some(Generator::Follow(own)) if own.run.fifo == fifo1 as u8);
         if prepared && self.begin_prepared(next) {
             (self.published.passes, self.published.fifo, self.published.switching) = (0, fifo1 as u8, false);
             return;
@@ -88,7 +88,7 @@ impl AxisState {
 
     /// Whether there is nothing to switch to.
     pub(crate) fn refuses_switch(&self) -> bool {
-        self.follower().is_none_or(|follower| self.follow.is_empty(follower.run.fifo() ^ 1))
+        self.follower().is_none_or(|follower| self.follow.is_empty(follower.run.fifo ^ 1))
     }
 
     /// The other FIFO takes over when the present pass ends.
@@ -166,10 +166,10 @@ impl AxisState {
                 self.driven_path()
             }
             Generator::Follow(own) if self.state.is_own() || is_at_standstill => {
-                if own.track().is_straight() {
+                if own.track.is_straight() {
                     MasterPathKind::Straight
                 } else {
-                    MasterPathKind::Track { along: own.track(), shift }
+                    MasterPathKind::Track { along: &own.track, shift }
                 }
             }
             _ => MasterPathKind::Pieces { before: self.profile.before(now), piece: self.profile.piece(), shift },
@@ -184,7 +184,7 @@ impl AxisState {
             MasterPosition::Planned => {
                 let straight = match self.profile.generator() {
                     _ if self.state == MotionState::Driven => self.goes_straight(),
-                    Generator::Follow(own) if self.state.is_own() => own.track().is_straight(),
+                    Generator::Follow(own) if self.state.is_own() => own.track.is_straight(),
                     _ => follower.knows(self.profile.piece()),
                 };
                 straight.then(|| self.set_point())
@@ -200,16 +200,16 @@ impl AxisState {
         let from = self.published.pos;
         let watched = self.causes.present & status::FAULTS != 0;
         let Some(follower) = self.profile.follower_mut().filter(|_| !watched) else { return false };
-        let begin = follower.run.piece().begin;
+        let begin = follower.run.piece.begin;
         let Some((pos, tau)) = follower.fast_step(to, period, led, from) else { return false };
-        let turned = follower.run.piece().begin != begin;
+        let turned = follower.run.piece.begin != begin;
         if !self.bounds.hold(pos) || pos.0.abs_diff(from.0) > limit {
             return false;
         }
         let moving = follower.run.is_moving(to);
         let published = &mut self.published;
         published.moves = published.moves.wrapping_add(1);
-        (published.pos, published.motion.tau, published.master_displacement) = (pos, tau, follower.displacement());
+        (published.pos, published.motion.tau, published.master_displacement) = (pos, tau, follower.displacement);
         if turned {
             self.publish_run();
             self.publish_lead();
@@ -278,7 +278,7 @@ impl AxisState {
         let emptied = run.take_emptied();
         let published = &mut self.published;
         published.passes = run.passes();
-        let (fifo, switching, waits) = (run.fifo(), run.is_switching(), run.awaits());
+        let (fifo, switching, waits) = (run.fifo, run.switching, run.awaits());
         if emptied != 0 || (fifo, switching, waits) != (published.fifo, published.switching, published.waits) {
             (published.fifo, published.switching, published.waits) = (fifo, switching, waits);
             for (fifo, count) in published.cleared.iter_mut().enumerate() {
@@ -295,12 +295,12 @@ impl AxisState {
         let Some(follower) = self.profile.follower_mut() else { return };
         let moving = follower.is_moving();
         let published = &mut self.published;
-        published.master_displacement = follower.displacement();
-        let motion = if moving { follower.run.piece().motion } else { Motion::STANDSTILL };
+        published.master_displacement = follower.displacement;
+        let motion = if moving { follower.run.piece.motion } else { Motion::STANDSTILL };
         published.motion = Motion { tau: published.motion.tau, ..motion };
         let axis = (follower.master.value == MasterPosition::Planned).then_some(follower.master.axis);
         let run = &follower.run;
-        let lead = moving.then_some(Lead { axis, down: run.is_down(), one_way: run.is_one_way() });
+        let lead = moving.then_some(Lead { axis, down: run.down, one_way: run.is_one_way() });
         if lead != published.lead {
             published.lead = lead;
             self.changed();

@@ -242,7 +242,7 @@ pub(super) struct FixedRatioSum {
     /// The sum is to be computed afresh.
     fresh: bool,
     sum: i128,
-    power: i64,
+    pub(super) power: i64,
 }
 
 impl FixedRatioSum {
@@ -255,12 +255,6 @@ impl FixedRatioSum {
         sum: 0,
         power: 0,
     };
-
-    /// Its part of the power, to the nearest, at the last sample taken.
-    #[inline(always)]
-    pub(super) fn power(&self) -> i64 {
-        self.power
-    }
 
     /// There may be samples that it does not take.
     #[inline(always)]

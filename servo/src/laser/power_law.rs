@@ -269,7 +269,7 @@ impl PowerLaw {
         }
         let added = match added {
             Added::Nothing => 0,
-            Added::FixedRatioSum => self.terms.power(),
+            Added::FixedRatioSum => self.terms.power,
             Added::Tables => match &self.distance {
                 Some(distance) => {
                     let position = |axis, source| around.position(axis, source);

@@ -104,7 +104,8 @@ state! {
         /// At standstill: the part that is made belongs to a start with this FIFO, as if it began
         /// at 0.
         prepared: Option<u8> = None,
-        trajectory: TrajectorySample = TrajectorySample::NONE,
+        /// The motion up to the last sample.
+        pub(crate) trajectory: TrajectorySample = TrajectorySample::NONE,
         since: TrajectorySample = TrajectorySample::NONE,
     }
     /// At standstill in the origin, FIFOs empty.
@@ -356,11 +357,6 @@ impl Path {
             self.led = led;
             self.decide_fast_path();
         }
-    }
-
-    /// That motion up to the last sample.
-    pub fn trajectory(&self) -> &TrajectorySample {
-        &self.trajectory
     }
 
     /// Whether it waits.

@@ -117,11 +117,11 @@ pub(super) enum GeometryStep {
 /// The geometry of one motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MotionGeometry {
-    /// Where it starts and ends.
-    start: PathPos,
-    end: PathPos,
+    /// Where it starts, and where it ends, exactly.
+    pub(super) start: PathPos,
+    pub(super) end: PathPos,
     /// Pulses.
-    length: Float,
+    pub(super) length: Float,
     geometry: ShapeKind,
 }
 
@@ -246,26 +246,10 @@ impl MotionGeometry {
         let turns = sweep.turns();
         self.length = radius.mul(Float::TAU).mul(turns);
         // Left of the chord for a short counterclockwise arc.
-        let right = sweep.is_ccw() == sweep.is_long();
+        let right = sweep.ccw == sweep.long;
         let tilt = if right { cot.negate() } else { cot };
         let vector = [half(b).mul(tilt).sub(half(a)).to_i64(30), half(a).mul(tilt).add(half(b)).negate().to_i64(30)];
-        GeometryStep::Cycle { plane, ccw: sweep.is_ccw(), vector, radius, turns }
-    }
-
-    /// Its length in pulses.
-    pub(super) fn length(&self) -> Float {
-        self.length
-    }
-
-    /// Where it starts.
-    pub(super) fn start(&self) -> &PathPos {
-        &self.start
-    }
-
-    /// Where it ends, exactly.
-    #[inline(always)]
-    pub(super) fn end(&self) -> &PathPos {
-        &self.end
+        GeometryStep::Cycle { plane, ccw: sweep.ccw, vector, radius, turns }
     }
 
     /// Two corners of a box that holds it, with a pulse to spare.

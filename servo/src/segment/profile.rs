@@ -119,8 +119,9 @@ pub struct Profile {
     /// Whether the second of them is in force.
     second: bool,
     other: Other,
-    /// The piece made last begins a pass, or belongs to a stream: more is published than the piece.
-    reports_pass: bool,
+    /// The piece made last, or one passed since the turn before, begins a pass or belongs to a
+    /// stream: more is published than the piece.
+    pub(crate) reports_pass: bool,
     generator: Generator,
 }
 
@@ -169,13 +170,6 @@ impl Profile {
     #[inline(always)]
     pub(crate) fn follower_mut(&mut self) -> Option<&mut Follower> {
         if let Generator::Follow(follower) = &mut self.generator { Some(follower) } else { None }
-    }
-
-    /// Whether the piece made last, or one passed since the turn before, begins a pass or belongs
-    /// to a stream.
-    #[inline(always)]
-    pub fn reports_pass(&self) -> bool {
-        self.reports_pass
     }
 
     /// Whether a piece has been made that is not in force yet.

@@ -100,7 +100,7 @@ impl Path {
         if self.cursor(self.fifo).geared == 0 {
             return;
         }
-        let inverse = self.motions.now().shape.length().recip();
+        let inverse = self.motions.now().shape.length.recip();
         let cursor = self.cursor(self.fifo);
         for gear in cursor.gears.iter_mut().take(cursor.geared) {
             let ActiveGear { pulses, along, .. } = gear;
@@ -124,7 +124,7 @@ impl Path {
         }
         self.swap(from, distance);
         self.set_gears();
-        if self.motions.now().shape.length().is_zero() {
+        if self.motions.now().shape.length.is_zero() {
             return;
         }
         if planned { self.follow(open) } else { self.plan_remainder(feed, source) }
@@ -148,7 +148,7 @@ impl Path {
             return;
         }
         if self.motions.next().state == Preparation::Nothing {
-            let (fifo, from) = (self.fifo, *self.motions.now().shape.end());
+            let (fifo, from) = (self.fifo, self.motions.now().shape.end);
             let next = self.cursor_of(fifo).next;
             self.begin_ahead(fifo, next, &from, feed, source);
         } else {
@@ -167,14 +167,14 @@ impl Path {
     ) {
         match self.motions.next().state {
             Preparation::Begun => self.shape_ahead(),
-            Preparation::Shaped if self.motions.next().shape.length().is_zero() => {
+            Preparation::Shaped if self.motions.next().shape.length.is_zero() => {
                 let ahead = self.motions.next_mut();
                 (ahead.plan, ahead.state) = (SpeedPlan::NONE, Preparation::Ready);
             }
             Preparation::Shaped => {
                 let Prepared { counter, along, shape, .. } = self.motions.next();
                 let after = self.what_follows(fifo, counter.wrapping_add(1), feed, source);
-                let (means, left) = (self.means(*along, after), shape.length().sub(Float::from_exact(distance)));
+                let (means, left) = (self.means(*along, after), shape.length.sub(Float::from_exact(distance)));
                 self.planning.sketch.begin(speed, left, means);
                 let open = (after == After::Nothing).then_some(end_of(feed, fifo));
                 let ahead = self.motions.next_mut();
@@ -288,7 +288,7 @@ impl Path {
     pub(super) fn plan_remainder(&mut self, feed: FifoEnds, source: &impl PathEntries) {
         let after = self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Prepared { along, shape, .. } = self.motions.now();
-        let left = shape.length().sub(Float::from_exact(self.stand.distance));
+        let left = shape.length.sub(Float::from_exact(self.stand.distance));
         // A plan in progress of the motion after it is dropped: that motion will be entered
         // otherwise.
         let means = self.means(*along, after);

@@ -49,7 +49,7 @@ impl Path {
     #[inline(always)]
     pub(super) fn keep_past(&mut self, distance: Pos) {
         let Cursor { next, done, inside, .. } = self.cursors[(self.fifo & 1) as usize];
-        self.swept.past = SampledPosition { next, done, inside, from: *self.motions.now().shape.start(), distance };
+        self.swept.past = SampledPosition { next, done, inside, from: self.motions.now().shape.start, distance };
     }
 
     /// Comes to rest at the position of the last sample.

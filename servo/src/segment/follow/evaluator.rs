@@ -166,10 +166,11 @@ state! {
     /// A slave that runs.
     #[derive(Debug, Clone, Copy)]
     pub struct FollowRun {
-        /// Over the progress in units of Pos.
-        piece: Piece = Piece::standstill(Ns(0), 0, origin.round()),
+        /// The piece in force, over the progress in units of Pos.
+        pub piece: Piece = Piece::standstill(Ns(0), 0, origin.round()),
         both: bool = setup.direction == Direction::Both,
-        down: bool = if setup.direction == Direction::Both {
+        /// Whether progress is the master's position with its sign changed.
+        pub(crate) down: bool = if setup.direction == Direction::Both {
             setup.fifo(fifo).tail.down
         } else {
             setup.direction == Direction::Down
@@ -178,8 +179,9 @@ state! {
         furthest: i64 = i64::MIN,
         /// The progress of the tick computed last.
         progress: i64 = 0,
-        fifo: u8 = fifo,
-        switching: bool = false,
+        /// The FIFO that runs, and whether the other one takes over at the end of the pass.
+        pub(crate) fifo: u8 = fifo,
+        pub(crate) switching: bool = false,
         /// Set by SwitchNow and for a new ratio, until the tick has been computed.
         now: Option<TickEndAction> = None,
         wait: Wait = Wait::Start,
@@ -252,16 +254,6 @@ impl FollowRun {
     /// Passes completed before the present one.
     pub fn passes(&self) -> u32 {
         self.pass
-    }
-
-    /// The FIFO that runs.
-    pub fn fifo(&self) -> u8 {
-        self.fifo
-    }
-
-    /// Whether the other one takes over at the end of the pass.
-    pub fn is_switching(&self) -> bool {
-        self.switching
     }
 
     /// FIFOs that a switch has emptied since the last call, a bit each.
@@ -348,11 +340,6 @@ impl FollowRun {
         if t < self.piece.span { self.piece.at(t) } else { (self.piece.start, 0) }
     }
 
-    /// The piece in force, over the progress in units of Pos.
-    pub fn piece(&self) -> &Piece {
-        &self.piece
-    }
-
     /// Whether the slave moves with a master at `to`: it does not wait, and the master is neither
     /// before the furthest point nor before the start.
     #[inline(always)]
@@ -360,17 +347,12 @@ impl FollowRun {
         self.piece.span != 0 && self.directed(to) == self.progress
     }
 
-    /// Whether progress is the master's position with its sign changed.
-    pub fn is_down(&self) -> bool {
-        self.down
-    }
-
     /// Whether progress backwards has no effect.
     pub fn is_one_way(&self) -> bool {
         !self.both || self.at_floor
     }
 
-    /// The tick after `path.now()`. `named` is the position of the path at which the master's user
+    /// The tick after `path.now`. `named` is the position of the path at which the master's user
     /// position is 0, for PASS.
     pub fn step<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
@@ -380,11 +362,11 @@ impl FollowRun {
         mut track: Option<&mut PositionTrack>,
     ) -> FollowState {
         let (from, to) = path.ends();
-        let mut end = self.open(path.now(), from, to, context);
+        let mut end = self.open(path.now, from, to, context);
         for section in path.sections() {
             end = end.or_else(|| self.go(section, context, track.as_deref_mut()));
         }
-        end.or_else(|| self.close(path.now(), to, named, context)).unwrap_or(FollowState::Running)
+        end.or_else(|| self.close(path.now, to, named, context)).unwrap_or(FollowState::Running)
     }
 
     /// What it waits for.

@@ -58,21 +58,16 @@ state! {
         last: Option<Pos> = None,
         /// The master's filter.
         filter: Filter = Filter::default(),
-        /// The displacement of the master in this tick.
-        displacement: i64 = 0,
-        /// Its own positions in this tick.
-        track: PositionTrack = PositionTrack::begin(Pos(0)),
+        /// The displacement of the master in this tick, units of Pos.
+        pub(crate) displacement: i64 = 0,
+        /// Its own positions in this tick, if it has slaves.
+        pub(crate) track: PositionTrack = PositionTrack::begin(Pos(0)),
     }
     #[inline(always)]
     pub(crate) fn new(run: FollowRun, master: Master);
 }
 
 impl Follower {
-    /// Its own positions in this tick, if it has slaves.
-    pub(crate) fn track(&self) -> &PositionTrack {
-        &self.track
-    }
-
     /// Whether it moves with its master.
     #[inline(always)]
     pub(crate) fn is_moving(&self) -> bool {
@@ -82,11 +77,6 @@ impl Follower {
     /// Its own positions in this tick are not those that were planned.
     pub(crate) fn forget_track(&mut self) {
         self.track.clear();
-    }
-
-    /// The displacement of its master in this tick, units of Pos.
-    pub(crate) fn displacement(&self) -> i64 {
-        self.displacement
     }
 
     /// Its position with a master at `to`, and the parameter in its piece, if the master moved

@@ -65,18 +65,18 @@ impl<const AXES: usize> Tick<AXES> {
                 state.map(crd);
             }
         }
-        let mut origin = frame.origin().unwrap_or_default().map(Pos::pulses);
-        if frame.origin().is_none() {
-            for (origin, axis) in origin.iter_mut().zip(frame.axes()) {
+        let mut origin = frame.origin.unwrap_or_default().map(Pos::pulses);
+        if frame.origin.is_none() {
+            for (origin, axis) in origin.iter_mut().zip(frame.axes) {
                 *origin = axis.and_then(|axis| self.axes.get(axis.index())).map_or(Pos(0), |state| state.published.pos);
             }
         }
         if let Some(state) = self.crds.get_mut(crd) {
             state.path.rules = PathSettings::POWER_ON;
-            state.path.rules.set_even(frame.even_ms());
+            state.path.rules.set_even(frame.even_ms);
             state.encoders = EncoderSpeed::POWER_ON;
             (state.published.frame, state.published.origin, state.axis_indices) =
-                (Some(frame), origin, frame.axis_indices());
+                (Some(frame), origin, frame.axis_indices);
         }
         self.rename_crd(crd);
         // Nothing changes for the others, if no axis was theirs.
@@ -139,7 +139,7 @@ impl<const AXES: usize> Tick<AXES> {
         let mut here = [Pos(0); DIMENSIONS];
         let Some(state) = self.crds.get(crd) else { return here };
         let Some(frame) = &state.published.frame else { return here };
-        for ((here, axis), origin) in here.iter_mut().zip(frame.axes_ref()).zip(&state.published.origin) {
+        for ((here, axis), origin) in here.iter_mut().zip(&frame.axes).zip(&state.published.origin) {
             if let Some(axis) = axis.and_then(|axis| self.axes.get(axis.index())) {
                 *here = Pos(axis.published.pos.0.wrapping_sub(origin.0));
             }
@@ -219,7 +219,7 @@ impl<const AXES: usize> Tick<AXES> {
             (state.ending, state.published.runs, state.awaited) = (StopReason::StopSmooth, true, None);
             state.mark_changed();
             let frame = state.published.frame;
-            for (index, axis) in frame.iter().flat_map(AxisMap::axes).enumerate() {
+            for (index, axis) in frame.iter().flat_map(|frame| frame.axes).enumerate() {
                 if let Some(axis) = axis.and_then(|axis| self.axes.get_mut(axis.index())) {
                     let base = axis.base();
                     axis.engage(DrivenBy::Coordinate { crd, index: index as u8 }, base);
@@ -244,7 +244,7 @@ impl<const AXES: usize> Tick<AXES> {
         let refused = Some(Event::CrdRefused { lane, seq, crd });
         let Some(state) = self.crds.get(crd) else { return refused };
         let Some(frame) = state.published.frame else { return refused };
-        for axis in frame.axes().into_iter().flatten() {
+        for axis in frame.axes.into_iter().flatten() {
             let Some(axis_state) = self.axes.get(axis.index()) else { return refused };
             if !axis_state.is_mapped(crd) {
                 return refused;
@@ -284,7 +284,7 @@ impl<const AXES: usize> Tick<AXES> {
             state.clearance = [Clearance::Unknown; 2];
             self.crds.alarms.0 &= !crd.mask().0;
             let Some(frame) = &state.published.frame else { continue };
-            for axis in frame.axes_ref().iter().flatten() {
+            for axis in frame.axes.iter().flatten() {
                 let Some(axis) = self.axes.get_mut(axis.index()).filter(|axis| axis.is_mapped(crd)) else { continue };
                 let (causes, fresh) = axis.take_causes();
                 if causes & status::ALARM != 0 {

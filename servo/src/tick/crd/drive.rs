@@ -5,7 +5,7 @@
 //! must not go on stops, and the reason is latched.
 use super::effects::PathEffects;
 use super::path_soft_limits::is_free;
-use super::{AxisMap, Clearance, CrdState, Halt};
+use super::{Clearance, CrdState, Halt};
 use crate::axis::AxisState;
 use crate::laser::{Cause, FollowedSpeeds, PathSpeed};
 use crate::path::{EntryStore, FifoEnds, PathPos, PathReport, PathStop};
@@ -157,7 +157,7 @@ impl<const AXES: usize> Tick<AXES> {
             let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
             let led = masters.0 != 0 && state.leads(masters);
             let result = if led { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
-            let used = state.encoders.is_used();
+            let used = state.encoders.used;
             // A tick that enters a motion prepares nothing.
             if result != StepResult::Over
                 && let Some(now) = self.finish_step(crd, result, next, hand_overs)
@@ -227,7 +227,7 @@ impl<const AXES: usize> Tick<AXES> {
         let state = self.crds.get(crd)?;
         let axes = |axis: Axis| self.axes.get(axis.index());
         let frame = state.published.frame?;
-        for axis in frame.axes().into_iter().flatten() {
+        for axis in frame.axes.into_iter().flatten() {
             if let Some(reason) = axes(axis).and_then(AxisState::fault) {
                 return Some(reason);
             }
@@ -279,13 +279,13 @@ impl<const AXES: usize> Tick<AXES> {
         }
         let PathEffects { reported: gone, geared, path_stop, unable, awaited, obstacle, .. } = sink;
         if !there {
-            let axes_at = frame.axes_ref().iter().zip(&published.position).zip(&published.origin);
+            let axes_at = frame.axes.iter().zip(&published.position).zip(&published.origin);
             for (index, ((axis, at), origin)) in axes_at.enumerate() {
                 if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
                     let from = axis.set_point();
                     axis.drive(Pos(at.0.wrapping_add(origin.0)));
                     if led {
-                        axis.publish_displacement((self.now, period), from, state.path.trajectory(), (index, *origin));
+                        axis.publish_displacement((self.now, period), from, &state.path.trajectory, (index, *origin));
                     }
                 }
             }
@@ -307,7 +307,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
         published.turns = published.turns.wrapping_add(1);
         let wants = self.lasers.wants();
-        let measures = wants.encoder.has(crd) || state.encoders.is_used();
+        let measures = wants.encoder.has(crd) || state.encoders.used;
         if wants.planned.has(crd) || measures {
             // At standstill its speed is 0, though its axes may still settle.
             self.feed_lasers(crd, next, wants, measures && runs);
@@ -333,7 +333,7 @@ impl<const AXES: usize> Tick<AXES> {
             planned = state.path.mean(&state.published.motion, next, period);
         }
         if measures {
-            let mapped = state.published.frame.map_or([None; 4], |frame| frame.axes());
+            let mapped = state.published.frame.map_or([None; 4], |frame| frame.axes);
             let gone = mapped.map(|axis| {
                 let published = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.published);
                 published.map_or(0, |published| published.encoder.wrapping_sub(published.encoder_before))
@@ -413,7 +413,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.interrupt_geared(crd, reason, next);
         let Tick { crds, axes, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
-        for axis in state.published.frame.iter().flat_map(AxisMap::axes).flatten() {
+        for axis in state.published.frame.iter().flat_map(|frame| frame.axes).flatten() {
             if let Some(axis) = axes.get_mut(axis.index()) {
                 axis.release_here(next, reason);
             }

@@ -201,7 +201,7 @@ impl Effects for PathEffects<'_> {
     }
 
     fn admits(&mut self, position: &PathPos) -> bool {
-        for ((axis, at), origin) in self.frame.axes_ref().iter().zip(position).zip(self.origin) {
+        for ((axis, at), origin) in self.frame.axes.iter().zip(position).zip(self.origin) {
             let Some(axis) = axis else { continue };
             let to = Pos(at.0.wrapping_add(origin.0));
             if self.axes.get(axis.index()).is_some_and(|state| !state.admits(to)) {
