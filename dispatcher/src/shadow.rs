@@ -72,7 +72,7 @@ pub enum ShadowChange {
     /// A FIFO is emptied (both in dynamic mode).
     Emptied { axis: Axis, fifo: u8 },
     /// A FIFO's data now ends here, if its stream is still that of `epoch`.
-    Data { axis: Axis, fifo: u8, epoch: u32, shadow: FifoShadow },
+    Data { axis: Axis, fifo: u8, epoch: u32, data: FifoShadow },
     /// A master of Follow, and how it was given.
     FollowMaster { axis: Axis, master: Axis, given: [i16; 3] },
     /// A start condition of Follow as it was given.
@@ -80,13 +80,13 @@ pub enum ShadowChange {
     /// A ratio of Gear as it was given.
     GearRatio { axis: Axis, given: [i32; 3] },
     /// A direction of Follow.
-    FollowDirection { axis: Axis, direction: i8 },
+    FollowDirection { axis: Axis, sign: i8 },
     /// A memory size of Follow.
     FollowMemory { axis: Axis, memory: u8 },
     /// A FIFO of Follow is emptied.
     FollowEmptied { axis: Axis, fifo: u8 },
     /// A FIFO of Follow now ends here, if no switch has emptied it meanwhile.
-    FollowData { axis: Axis, fifo: u8, cleared: u32, shadow: FollowFifoShadow },
+    FollowData { axis: Axis, fifo: u8, cleared: u32, data: FollowFifoShadow },
     /// The axes change to their other FIFO, now or at the end of the pass.
     Switched { axes: AxisMask },
     /// Stop decelerations.
@@ -301,13 +301,10 @@ impl<const AXES: usize> Shadows<AXES> {
             let (cleared, data) = (shadow.follow.cleared[index], shadow.follow.fifos[index]);
             let command =
                 TickCommand::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
-            return (command, ShadowChange::FollowData { axis, fifo, cleared, shadow: data });
+            return (command, ShadowChange::FollowData { axis, fifo, cleared, data });
         }
         let (epoch, data) = (shadow.epoch, shadow.fifos[index]);
-        (
-            TickCommand::PtCommit { axis, fifo, end: data.end, epoch },
-            ShadowChange::Data { axis, fifo, epoch, shadow: data },
-        )
+        (TickCommand::PtCommit { axis, fifo, end: data.end, epoch }, ShadowChange::Data { axis, fifo, epoch, data })
     }
 
     /// The commit of a FIFO of a coordinate system up to an entry.
@@ -478,7 +475,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 }
                 shadow.empty(seq, if shadow.is_dynamic() { 3 } else { 1 << (fifo & 1) });
             }),
-            ShadowChange::Data { axis, fifo, epoch, shadow: data } => one(axis, &|shadow| {
+            ShadowChange::Data { axis, fifo, epoch, data } => one(axis, &|shadow| {
                 if shadow.is_dynamic() && shadow.epoch != epoch {
                     return;
                 }
@@ -491,9 +488,7 @@ impl<const AXES: usize> Shadows<AXES> {
             }
             ShadowChange::FollowEvent { axis, given } => one(axis, &|shadow| shadow.follow.event = given),
             ShadowChange::GearRatio { axis, given } => one(axis, &|shadow| shadow.follow.ratio = Some(given)),
-            ShadowChange::FollowDirection { axis, direction } => {
-                one(axis, &|shadow| shadow.follow.direction = direction)
-            }
+            ShadowChange::FollowDirection { axis, sign } => one(axis, &|shadow| shadow.follow.direction = sign),
             ShadowChange::FollowMemory { axis, memory } => one(axis, &|shadow| {
                 shadow.follow.memory = memory;
                 shadow.follow.empty_both(seq);
@@ -503,7 +498,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 shadow.follow.empty(fifo, seq);
                 shadow.invalid &= !(1 << (fifo & 1));
             }),
-            ShadowChange::FollowData { axis, fifo, cleared, shadow: data } => one(axis, &|shadow| {
+            ShadowChange::FollowData { axis, fifo, cleared, data } => one(axis, &|shadow| {
                 let position = usize::from(fifo & 1);
                 if shadow.follow.cleared[position] == cleared {
                     shadow.follow.fifos[position] = data;

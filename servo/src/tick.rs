@@ -325,11 +325,6 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    /// An index capture was armed, or another one instead.
-    pub(crate) fn await_index(&mut self, axis: Axis) {
-        self.indexed.0 |= axis.mask().0;
-    }
-
     /// Takes the captures of index edges that have come. An axis that waits no more, after a Reset
     /// or a change of mode, is not asked again.
     #[inline(never)]

@@ -139,7 +139,8 @@ impl AxisState {
             self.come_to_standstill(next, exact(self.published.pos), reason);
             self.profile.forget();
             if let Some(follower) = self.profile.follower_mut() {
-                follower.forget_track();
+                // Its positions in this tick are not those that were planned.
+                follower.track.clear();
             }
         }
     }

@@ -277,7 +277,7 @@ impl AxisState {
         let run = &mut follower.run;
         let emptied = run.take_emptied();
         let published = &mut self.published;
-        published.passes = run.passes();
+        published.passes = run.pass;
         let (fifo, switching, waits) = (run.fifo, run.switching, run.awaits());
         if emptied != 0 || (fifo, switching, waits) != (published.fifo, published.switching, published.waits) {
             (published.fifo, published.switching, published.waits) = (fifo, switching, waits);

@@ -170,7 +170,7 @@ impl<const AXES: usize> Tick<AXES> {
             TickCommand::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),
             TickCommand::Capture { axis, mode } => {
                 self.one(axis, |state| state.arm(mode));
-                self.await_index(axis);
+                self.indexed.0 |= axis.mask().0;
             }
             TickCommand::JogPrm { axis, acc, dec, smooth } => {
                 self.one(axis, |state| state.ramps.jog = Jog { acc, dec, smooth })

@@ -74,17 +74,11 @@ impl Path {
     }
 
     /// The same for one boundary, if it only enters what was made ahead. `admits` says whether the
-    /// path may be where the motion in force ends. Returns whether the boundary was passed.
+    /// path may be where the motion in force ends. If the boundary was passed, returns the entries
+    /// and motions of the FIFO in force that are over then. The path length since the last sample
+    /// is kept for a boundary after it only; otherwise it is not needed.
     #[inline(always)]
-    pub fn turn(&mut self, feed: FifoEnds, admits: impl FnOnce(&PathPos) -> bool) -> bool {
-        self.turn_at::<true>(feed, admits).is_some()
-    }
-
-    /// The same; returns the entries and motions of the FIFO in force that are over then. The path
-    /// length since the last sample is kept for a boundary after it only; otherwise it is not
-    /// needed.
-    #[inline(always)]
-    pub(crate) fn turn_at<const SWEPT: bool>(
+    pub fn turn_at<const SWEPT: bool>(
         &mut self,
         feed: FifoEnds,
         admits: impl FnOnce(&PathPos) -> bool,

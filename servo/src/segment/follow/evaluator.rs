@@ -189,7 +189,8 @@ state! {
         index: u32 = 0,
         /// Entries before this one are done in the present pass.
         done: u32 = 0,
-        pass: u32 = 0,
+        /// Passes completed before the present one.
+        pub pass: u32 = 0,
         /// Progress, 2⁻⁶⁴ pulse, and slave at the beginning of the present pass.
         began: i128 = 0,
         origin: i128 = origin.0,
@@ -251,11 +252,6 @@ enum Seek {
 }
 
 impl FollowRun {
-    /// Passes completed before the present one.
-    pub fn passes(&self) -> u32 {
-        self.pass
-    }
-
     /// FIFOs that a switch has emptied since the last call, a bit each.
     pub fn take_emptied(&mut self) -> u8 {
         core::mem::take(&mut self.emptied)

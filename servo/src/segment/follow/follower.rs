@@ -74,11 +74,6 @@ impl Follower {
         self.last.is_some_and(|last| self.run.is_moving(last))
     }
 
-    /// Its own positions in this tick are not those that were planned.
-    pub(crate) fn forget_track(&mut self) {
-        self.track.clear();
-    }
-
     /// Its position with a master at `to`, and the parameter in its piece, if the master moved
     /// there straight and all is inside one piece. `led`: it has slaves itself. `from` is its
     /// position at the tick in force.
