@@ -19,7 +19,9 @@ pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
 pub use channel::{DistanceShadow, LaserChange, LaserShadow};
 pub use crd::{CrdChange, CrdParameters, CrdShadow, LookAheadSettings, PathData, PathShadow};
 pub use crd_space::CAPACITY;
-pub use entry_numbers::{PROGRAM_FLAG, RefreshedNumbers, entries_from, executed, is_up_to, renew, seq_after, seq_from};
+pub use entry_numbers::{
+    PROGRAM_FLAG, RefreshedNumbers, entries_from, executed, is_in_flight, is_up_to, renew, seq_after, seq_from,
+};
 pub use follow::FollowFifoShadow;
 use protocol::command::{JogPrm, TrapPrm};
 use protocol::reason::Reason;
@@ -227,8 +229,7 @@ impl<const AXES: usize> Shadows<AXES> {
     /// Whether data written to a FIFO now overwrites slots that the tick has not emptied yet.
     pub fn overwrites(&self, view: &View<AXES>, axis: Axis, fifo: u8) -> bool {
         let shadow = self.axis(axis);
-        shadow.emptied.is_some_and(|seq| !executed(view, seq))
-            || shadow.is_follow() && shadow.follow.is_invalid(view, fifo)
+        is_in_flight(view, shadow.emptied) || shadow.is_follow() && shadow.follow.is_invalid(view, fifo)
     }
 
     /// FIFOs (a bit each) are being overwritten. If what emptied them is never executed, they have
@@ -316,7 +317,7 @@ impl<const AXES: usize> Shadows<AXES> {
 
     /// Whether an entry that was not executed names a PVT table.
     pub fn is_named(&self, view: &View<AXES>, table: u8) -> bool {
-        self.named.get(usize::from(table)).copied().flatten().is_some_and(|seq| !executed(view, seq))
+        is_in_flight(view, self.named.get(usize::from(table)).copied().flatten())
     }
 
     fn name(&mut self, table: Option<u8>, seq: u32) {
@@ -327,7 +328,7 @@ impl<const AXES: usize> Shadows<AXES> {
 
     /// Whether an abort is in progress or in flight.
     pub fn aborts(&self, view: &View<AXES>) -> bool {
-        view.aborts || self.aborted.is_some_and(|seq| !executed(view, seq))
+        view.aborts || is_in_flight(view, self.aborted)
     }
 
     /// Follows the tick: axes and paths that came to standstill, streams that ended.

@@ -14,7 +14,7 @@ use crate::report::answer::{Answer, Refuser, Sent};
 use crate::report::path_many;
 use crate::report::pending_replies::{Awaiting, TickRefusal};
 use crate::report::replies::Reading;
-use crate::shadow::{PROGRAM_FLAG, ShadowChange, executed};
+use crate::shadow::{PROGRAM_FLAG, ShadowChange, executed, is_in_flight};
 use crate::tick_queue::Until;
 use protocol::reason::{Cure, Reason, Refusal};
 use protocol::record::ReplyWriter;
@@ -172,7 +172,7 @@ impl Program<'_> {
         let view = poll.view;
         let mut progress = false;
         while let Some(&item) = self.replies.items.front() {
-            if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
+            if item.open || !item.discarded && is_in_flight(view, item.seq) {
                 break;
             }
             let refusal = self

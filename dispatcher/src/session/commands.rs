@@ -17,7 +17,7 @@ use crate::report::answer::Answer;
 use crate::report::event_log::{EventKind, ShutOff};
 use crate::report::path_many::KEPT;
 use crate::report::pending_replies::{Awaiting, PendingReplies, RecordOutcome, TickRefusal};
-use crate::shadow::{AxisShadow, CAPACITY, RefreshedNumbers, ShadowChange, Watch, executed};
+use crate::shadow::{AxisShadow, CAPACITY, RefreshedNumbers, ShadowChange, Watch, is_in_flight};
 use protocol::command;
 use protocol::path_many::HELD_AT_ONCE;
 use protocol::record::{ReplyWriter, RequestRecord};
@@ -122,7 +122,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     pub fn answer(&mut self, view: &View<AXES>, program: &Program, out: &mut ReplyWriter) -> bool {
         let mut progress = false;
         while let Some(&item) = self.replies.items.front() {
-            if item.seq.is_some_and(|seq| !executed(view, seq)) {
+            if is_in_flight(view, item.seq) {
                 break;
             }
             if self.is_lagging {

@@ -1,5 +1,5 @@
 //! Shadow state of one laser channel.
-use super::executed;
+use super::is_in_flight;
 use servo::Fifos;
 use servo::laser::{self, BANKS, Carrier, DISTANCES, POWER_TABLES, Power, PowerBounds, Ratios, SpeedSource};
 use servo::view::View;
@@ -80,7 +80,7 @@ impl LaserShadow {
         let ahead = self.distance.and_then(|distance| distance.from.bank());
         let named = |bank: u8| self.banks.get(usize::from(bank)).copied().flatten();
         (0..BANKS as u8).find(|bank| {
-            let waits = named(*bank).is_some_and(|seq| !executed(view, seq));
+            let waits = is_in_flight(view, named(*bank));
             Some(*bank) != read && Some(*bank) != ahead && !waits
         })
     }

@@ -23,7 +23,7 @@ pub mod tables;
 use super::context::{Context, Effect};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
-use crate::shadow::{LaserChange, LaserShadow, ShadowChange, executed};
+use crate::shadow::{LaserChange, LaserShadow, ShadowChange, is_in_flight};
 use core::num::NonZeroU16;
 use power_range::RangeLimiter;
 use protocol::command::{
@@ -158,7 +158,7 @@ fn gate<const AXES: usize>(context: &mut Context<AXES>, channel: u8, on: bool) -
         }
         let (shadow, sampled) = (context.laser(channel), &context.view.lasers[usize::from(channel).min(CHANNELS - 1)]);
         // With a clearing in flight only the tick can know.
-        let clearing = shadow.cleared.is_some_and(|seq| !executed(context.view, seq));
+        let clearing = is_in_flight(context.view, shadow.cleared);
         let refused = Refused::new(Reason::LaserFault).got(channel.into());
         if sampled.fault != Cause::None && !clearing {
             return Err(refused.limits(0.0, f64::from(sampled.fault as u8)));
