@@ -26,6 +26,8 @@ mod refuse;
 mod report;
 mod session;
 mod shadow;
+#[cfg(feature = "test-hooks")]
+mod test_hooks;
 mod tick_queue;
 
 pub use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, TICK_BUCKET_NS, TICK_BUCKETS, TickTime};

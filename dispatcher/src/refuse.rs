@@ -2,7 +2,7 @@
 //!
 //! A [`Refused`] is built where the check is. It names the reason, the parameter, the axis and the
 //! limits. It is the payload of the reply as it is.
-use protocol::reason::{Code, Reason, Refusal};
+use protocol::reason::{Reason, Refusal};
 use servo::status::{FAULTS, LIMIT_POSITIVE};
 use servo::units::{Axis, Crd};
 
@@ -100,10 +100,6 @@ impl Refused {
         self.wire.low = low.into();
         self.wire.high = high.into();
         self
-    }
-    /// Its return code.
-    pub fn code(&self) -> Code {
-        self.reason.code()
     }
 }
 

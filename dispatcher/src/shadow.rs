@@ -19,7 +19,9 @@ pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
 pub use channel::{DistanceShadow, LaserChange, LaserShadow};
 pub use crd::{CrdChange, CrdParameters, CrdShadow, LookAheadSettings, PathData, PathShadow};
 pub use crd_space::CAPACITY;
-pub use entry_numbers::{PROGRAM_FLAG, RefreshedNumbers, entries_from, executed, is_up_to, renew, seq_after, seq_from};
+pub use entry_numbers::{
+    PROGRAM_FLAG, RefreshedNumbers, entries_from, executed, is_in_flight, is_up_to, renew, seq_after, seq_from,
+};
 pub use follow::FollowFifoShadow;
 use protocol::command::{JogPrm, TrapPrm};
 use protocol::reason::Reason;
@@ -72,7 +74,7 @@ pub enum ShadowChange {
     /// A FIFO is emptied (both in dynamic mode).
     Emptied { axis: Axis, fifo: u8 },
     /// A FIFO's data now ends here, if its stream is still that of `epoch`.
-    Data { axis: Axis, fifo: u8, epoch: u32, shadow: FifoShadow },
+    Data { axis: Axis, fifo: u8, epoch: u32, data: FifoShadow },
     /// A master of Follow, and how it was given.
     FollowMaster { axis: Axis, master: Axis, given: [i16; 3] },
     /// A start condition of Follow as it was given.
@@ -80,13 +82,13 @@ pub enum ShadowChange {
     /// A ratio of Gear as it was given.
     GearRatio { axis: Axis, given: [i32; 3] },
     /// A direction of Follow.
-    FollowDirection { axis: Axis, direction: i8 },
+    FollowDirection { axis: Axis, sign: i8 },
     /// A memory size of Follow.
     FollowMemory { axis: Axis, memory: u8 },
     /// A FIFO of Follow is emptied.
     FollowEmptied { axis: Axis, fifo: u8 },
     /// A FIFO of Follow now ends here, if no switch has emptied it meanwhile.
-    FollowData { axis: Axis, fifo: u8, cleared: u32, shadow: FollowFifoShadow },
+    FollowData { axis: Axis, fifo: u8, cleared: u32, data: FollowFifoShadow },
     /// The axes change to their other FIFO, now or at the end of the pass.
     Switched { axes: AxisMask },
     /// Stop decelerations.
@@ -227,8 +229,7 @@ impl<const AXES: usize> Shadows<AXES> {
     /// Whether data written to a FIFO now overwrites slots that the tick has not emptied yet.
     pub fn overwrites(&self, view: &View<AXES>, axis: Axis, fifo: u8) -> bool {
         let shadow = self.axis(axis);
-        shadow.emptied.is_some_and(|seq| !executed(view, seq))
-            || shadow.is_follow() && shadow.follow.is_invalid(view, fifo)
+        is_in_flight(view, shadow.emptied) || shadow.is_follow() && shadow.follow.is_invalid(view, fifo)
     }
 
     /// FIFOs (a bit each) are being overwritten. If what emptied them is never executed, they have
@@ -301,13 +302,10 @@ impl<const AXES: usize> Shadows<AXES> {
             let (cleared, data) = (shadow.follow.cleared[index], shadow.follow.fifos[index]);
             let command =
                 TickCommand::FollowCommit { axis, fifo, end: data.chain.entries(), cleared, tail: data.chain.tail() };
-            return (command, ShadowChange::FollowData { axis, fifo, cleared, shadow: data });
+            return (command, ShadowChange::FollowData { axis, fifo, cleared, data });
         }
         let (epoch, data) = (shadow.epoch, shadow.fifos[index]);
-        (
-            TickCommand::PtCommit { axis, fifo, end: data.end, epoch },
-            ShadowChange::Data { axis, fifo, epoch, shadow: data },
-        )
+        (TickCommand::PtCommit { axis, fifo, end: data.end, epoch }, ShadowChange::Data { axis, fifo, epoch, data })
     }
 
     /// The commit of a FIFO of a coordinate system up to an entry.
@@ -319,7 +317,7 @@ impl<const AXES: usize> Shadows<AXES> {
 
     /// Whether an entry that was not executed names a PVT table.
     pub fn is_named(&self, view: &View<AXES>, table: u8) -> bool {
-        self.named.get(usize::from(table)).copied().flatten().is_some_and(|seq| !executed(view, seq))
+        is_in_flight(view, self.named.get(usize::from(table)).copied().flatten())
     }
 
     fn name(&mut self, table: Option<u8>, seq: u32) {
@@ -330,7 +328,7 @@ impl<const AXES: usize> Shadows<AXES> {
 
     /// Whether an abort is in progress or in flight.
     pub fn aborts(&self, view: &View<AXES>) -> bool {
-        view.aborts || self.aborted.is_some_and(|seq| !executed(view, seq))
+        view.aborts || is_in_flight(view, self.aborted)
     }
 
     /// Follows the tick: axes and paths that came to standstill, streams that ended.
@@ -478,7 +476,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 }
                 shadow.empty(seq, if shadow.is_dynamic() { 3 } else { 1 << (fifo & 1) });
             }),
-            ShadowChange::Data { axis, fifo, epoch, shadow: data } => one(axis, &|shadow| {
+            ShadowChange::Data { axis, fifo, epoch, data } => one(axis, &|shadow| {
                 if shadow.is_dynamic() && shadow.epoch != epoch {
                     return;
                 }
@@ -491,9 +489,7 @@ impl<const AXES: usize> Shadows<AXES> {
             }
             ShadowChange::FollowEvent { axis, given } => one(axis, &|shadow| shadow.follow.event = given),
             ShadowChange::GearRatio { axis, given } => one(axis, &|shadow| shadow.follow.ratio = Some(given)),
-            ShadowChange::FollowDirection { axis, direction } => {
-                one(axis, &|shadow| shadow.follow.direction = direction)
-            }
+            ShadowChange::FollowDirection { axis, sign } => one(axis, &|shadow| shadow.follow.direction = sign),
             ShadowChange::FollowMemory { axis, memory } => one(axis, &|shadow| {
                 shadow.follow.memory = memory;
                 shadow.follow.empty_both(seq);
@@ -503,7 +499,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 shadow.follow.empty(fifo, seq);
                 shadow.invalid &= !(1 << (fifo & 1));
             }),
-            ShadowChange::FollowData { axis, fifo, cleared, shadow: data } => one(axis, &|shadow| {
+            ShadowChange::FollowData { axis, fifo, cleared, data } => one(axis, &|shadow| {
                 let position = usize::from(fifo & 1);
                 if shadow.follow.cleared[position] == cleared {
                     shadow.follow.fifos[position] = data;

@@ -36,7 +36,8 @@ impl Until {
 /// One lane of at most `N` entries in flight.
 pub struct TickQueue<'a, const N: usize> {
     ring: Producer<'a, LaneEntry, N>,
-    last: u32,
+    /// Number of the last entry pushed.
+    pub last: u32,
     log: Deque<(u32, ShadowChange), N>,
 }
 
@@ -48,17 +49,6 @@ impl<'a, const N: usize> TickQueue<'a, N> {
     /// Entries that can be pushed now.
     pub fn room(&self) -> usize {
         self.ring.free().min(N - self.log.len())
-    }
-    /// Advances the numbers by `entries`, for tests of counters; nothing is in flight.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_counters(&mut self, entries: u32) {
-        if self.log.is_empty() {
-            self.last = crate::shadow::seq_from(self.last, entries);
-        }
-    }
-    /// Number of the last entry pushed.
-    pub fn last(&self) -> u32 {
-        self.last
     }
     /// Whether entries were pushed that the view does not show as executed.
     pub fn in_flight(&self) -> bool {

@@ -17,7 +17,7 @@ fn refused(kind: TableKind, points: &[&[f64]]) -> Refused {
 #[track_caller]
 fn is(refused: Refused, reason: Reason, item: u16, field: u8) {
     assert_eq!((refused.reason, refused.wire.item.get(), refused.wire.field), (reason, item, field), "{refused:?}");
-    assert_eq!(refused.code(), Code::Range);
+    assert_eq!(refused.reason.code(), Code::Range);
 }
 
 const CONTINUOUS: TableKind = TableKind::Continuous { time_begin: 0.0 };

@@ -71,9 +71,3 @@ impl EdgeCounts {
         }
     }
 }
-
-impl Default for EdgeCounts {
-    fn default() -> EdgeCounts {
-        EdgeCounts::new()
-    }
-}

@@ -1,5 +1,6 @@
 #![no_std]
 #![forbid(unsafe_code)]
+#![allow(clippy::new_without_default, reason = "what lies in a static begins with a const fn")]
 //! Everything that runs inside the servo tick.
 //!
 //! In: admitted commands ([`tick_command::TickCommand`]) from two lanes, input samples from a

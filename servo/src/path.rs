@@ -8,7 +8,7 @@
 //! boundaries exact. A phase's speed is a closed form of the time since it began
 //! (`speed_profile.rs`); its position on the line or arc is a closed form of the path length
 //! (`geometry.rs`).
-use crate::units::FineNs;
+use crate::units::{FineNs, Pos};
 pub mod axis_map;
 mod entry;
 mod evaluator;
@@ -19,10 +19,9 @@ mod speed_profile;
 mod store;
 
 pub use entry::{EntryContent, EntryEffect, FixedRamp, LASER_WORDS, MotionSpeeds, PathEntry, Plane, Refused, Sweep};
-pub use evaluator::EFFECTS;
 pub(crate) use evaluator::INSTANTS;
 pub use evaluator::{
-    Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, Step, StepReport,
+    EFFECTS, Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, Step, StepReport,
     TrajectorySample,
 };
 pub use geometry::Curvature;
@@ -34,3 +33,5 @@ pub(crate) const ENDLESS_WAIT_FINE_NS: FineNs = 1 << 80;
 
 /// Coordinates of a coordinate system: X, Y, Z, A.
 pub const DIMENSIONS: usize = 4;
+/// A position on a path: that of each coordinate.
+pub type PathPos = [Pos; DIMENSIONS];

@@ -2,6 +2,7 @@
 //!
 //! In: how many entries, how much time. Out: every count of the tick as it would be then. Counts
 //! wrap; their comparisons are right across that, or a test that begins just before it fails.
+use crate::laser::LaserView;
 use crate::tick::Tick;
 use crate::tick_command::Lane;
 use crate::units::Ns;
@@ -34,15 +35,27 @@ impl<const AXES: usize> Tick<AXES> {
             [moves, changes, first, second].into_iter().for_each(add);
         }
         add(&mut self.crds.moves);
-        self.lasers.advance_counters(entries);
+        for channel in &mut self.lasers.channels {
+            let LaserView { moves, turns, changes, .. } = &mut channel.published;
+            [moves, turns, changes].into_iter().for_each(add);
+        }
     }
 
     /// As if each FIFO of a path had got and executed so many entries and motions more since it was
     /// cleared. Each laser is as if it had been on for so many units of its on-time more. Nothing
     /// may be in a FIFO; the thread's side must advance alike.
     pub fn advance_fifo_counters(&mut self, by: u32) {
-        self.crds.states.iter_mut().for_each(|crd| crd.advance_fifo_counters(by));
+        let add = |count: &mut u32| *count = count.wrapping_add(by);
+        for crd in &mut self.crds.states {
+            let CrdView { ends, released, done, .. } = &mut crd.published;
+            [ends, released, done].into_iter().flatten().for_each(add);
+            crd.path.discard_prepared();
+            for cursor in &mut crd.path.cursors {
+                [&mut cursor.next, &mut cursor.done, &mut cursor.left_at].into_iter().for_each(add);
+            }
+            crd.mark_changed();
+        }
         self.crds.moves = self.crds.moves.wrapping_add(1);
-        self.lasers.advance_on_time(by);
+        self.lasers.channels.iter_mut().for_each(|channel| add(&mut channel.on_time.units));
     }
 }

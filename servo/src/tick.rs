@@ -31,7 +31,7 @@ use crate::segment::follow::SlaveOrder;
 pub use crate::segment::pt::{SEGMENTS, SegmentStore};
 use crate::tables::TableStores;
 use crate::tick_command::{Lane, LaneEntry, Supervision, TickCommand};
-use crate::trace::{Chosen, Trace};
+use crate::trace::{Chosen, Trace, TraceSamples};
 use crate::units::{Axis, AxisMask, CrdMask, Ns, StepLimit};
 use crate::view::{AxisView, Event, Sample, StopReason, View};
 use crd::Crds;
@@ -205,7 +205,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Computes the next tick: called once at every tick, at the instant [`Tick::now`].
-    pub fn run<P: Port>(&mut self, port: &mut P, halves: &mut TickHalves<'_, AXES>) {
+    pub fn run<P: Port>(&mut self, port: &mut P, halves: &mut TickHalves<AXES>) {
         let now = self.now;
         let next = Ns(now.0.wrapping_add(self.period.0));
         let mut period = self.period;
@@ -290,7 +290,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The ticks after the one computed have another period.
     #[cold]
     #[inline(never)]
-    fn renew_period(&mut self, period: Ns, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    fn renew_period(&mut self, period: Ns, samples: &mut TraceSamples) {
         (self.period, self.step_limit) = (period, in_a_tick(self.limit_per_us, period.0));
         self.trace.record_period(period.0 as u32, samples);
     }
@@ -298,7 +298,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The interlock opens or closes: the lasers take it by themselves; motion brakes as
     /// `Supervision` says.
     #[inline(never)]
-    fn take_interlock(&mut self, open: bool, next: Ns, halves: &mut TickHalves<'_, AXES>) {
+    fn take_interlock(&mut self, open: bool, next: Ns, halves: &mut TickHalves<AXES>) {
         self.lasers.interlock = open;
         if open {
             self.brake(self.supervision.interlock, StopReason::Interlock, next, &mut HandOvers::of(halves));
@@ -323,11 +323,6 @@ impl<const AXES: usize> Tick<AXES> {
         if self.ticks > 1 {
             counts.add_of_general(flips);
         }
-    }
-
-    /// An index capture was armed, or another one instead.
-    pub(crate) fn await_index(&mut self, axis: Axis) {
-        self.indexed.0 |= axis.mask().0;
     }
 
     /// Takes the captures of index edges that have come. An axis that waits no more, after a Reset
@@ -360,7 +355,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Every axis takes its step; slaves wait for their masters.
     #[inline(always)]
-    fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<'_, AXES>) {
+    fn step_axes<const FOLLOW: bool>(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<AXES>) {
         let left = self.made_ahead();
         let TickHalves { view, segments, tables, events, .. } = halves;
         let View { axes: published, inputs, .. } = view.buffer();
@@ -432,7 +427,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// Carries out what is due: the immediate lane, then the program lane, in order, as far as the
     /// tick takes it ([`workload`]).
     #[inline(never)]
-    fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, halves: &mut TickHalves<'_, AXES>) {
+    fn execute_due(&mut self, next: Ns, period: &mut Ns, port: &mut impl Port, halves: &mut TickHalves<AXES>) {
         let TickHalves { immediate, program, events, samples, segments, tables, paths, .. } = halves;
         let mut reach = HandOvers { events, samples, segments, tables: *tables, paths: *paths };
         let (mut budget, mut drops) = (TickBudget::of(self.period), false);
@@ -513,7 +508,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Entries of paths have changed outputs within the coming interval.
     #[inline(never)]
-    fn flush_edges(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<'_, AXES>) {
+    fn flush_edges(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<AXES>) {
         let before = OutputLevels { enable: self.enable, clear: self.clear, general: self.general };
         let (trace, samples, tables) = (&mut self.trace, &mut halves.samples, halves.tables.lasers);
         trace.record_outputs(0, before.general, samples);
@@ -557,7 +552,7 @@ const fn in_a_tick(per_us: u64, period_ns: u64) -> u64 {
 }
 
 /// Reports to the thread, or counts the event that was lost.
-pub(crate) fn report_event(events: &mut Producer<'_, Event, EVENTS>, lost: &mut u32, event: Event) {
+pub(crate) fn report_event(events: &mut Producer<Event, EVENTS>, lost: &mut u32, event: Event) {
     if events.push(event).is_err() {
         *lost = lost.saturating_add(1);
     }

@@ -3,8 +3,7 @@
 //! In: the motion of every axis and the plans of laser channels, a tick at a time. Out: samples
 //! into a ring. Owns: the counters of rows and ticks. Fails: a full ring loses the sample and
 //! counts it; the row numbers show which.
-use crate::capacity::GeneralOutputs;
-use crate::capacity::TRACE_SAMPLES;
+use crate::capacity::{GeneralOutputs, TRACE_SAMPLES};
 use crate::laser::{ANALOG, Action, LaserPlan, PowerTables};
 use crate::units::{AxisMask, CrdMask};
 use crate::view::{Sample, Traced};
@@ -24,6 +23,9 @@ pub(crate) struct Chosen {
 impl Chosen {
     const NONE: Chosen = Chosen { axes: AxisMask(0), crds: CrdMask(0), lasers: 0, edges: false, outputs: false };
 }
+
+/// Where samples go to.
+pub(crate) type TraceSamples<'a> = Producer<'a, Sample, TRACE_SAMPLES>;
 
 /// What is traced, and how far its rows are.
 #[derive(Debug, Clone, Copy)]
@@ -71,7 +73,7 @@ impl Trace {
 
     /// Hands a sample over, or counts it as lost.
     #[inline]
-    pub(crate) fn put(&mut self, sample: Sample, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    pub(crate) fn put(&mut self, sample: Sample, samples: &mut TraceSamples) {
         if samples.push(sample).is_err() {
             self.lost = self.lost.saturating_add(1);
         }
@@ -79,23 +81,14 @@ impl Trace {
 
     /// What a channel's outputs carry when the trace begins; the trains before it are not known, so
     /// they begin anew.
-    pub(crate) fn record_carried(
-        &mut self,
-        channel: u8,
-        carried: [Action; 3],
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
-    ) {
+    pub(crate) fn record_carried(&mut self, channel: u8, carried: [Action; 3], samples: &mut TraceSamples) {
         for action in carried {
             self.put(Sample { row: 0, of: Traced::Action { channel, at: 0, action } }, samples);
         }
     }
 
     /// The general outputs when the trace begins.
-    pub(crate) fn record_outputs_carried(
-        &mut self,
-        levels: GeneralOutputs,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
-    ) {
+    pub(crate) fn record_outputs_carried(&mut self, levels: GeneralOutputs, samples: &mut TraceSamples) {
         if self.chosen.outputs {
             self.levels = levels;
             self.put(Sample { row: 0, of: Traced::Outputs { at: 0, levels } }, samples);
@@ -104,12 +97,7 @@ impl Trace {
 
     /// The general outputs from `at` ns after the next tick on.
     #[inline]
-    pub(crate) fn record_outputs(
-        &mut self,
-        at: u32,
-        levels: GeneralOutputs,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
-    ) {
+    pub(crate) fn record_outputs(&mut self, at: u32, levels: GeneralOutputs, samples: &mut TraceSamples) {
         if self.chosen.outputs && levels != self.levels && self.every != 0 {
             self.levels = levels;
             self.put(Sample { row: self.tick.wrapping_add(1), of: Traced::Outputs { at, levels } }, samples);
@@ -117,11 +105,7 @@ impl Trace {
     }
 
     /// The analog outputs when the trace begins.
-    pub(crate) fn record_analog_carried(
-        &mut self,
-        tables: &PowerTables,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
-    ) {
+    pub(crate) fn record_analog_carried(&mut self, tables: &PowerTables, samples: &mut TraceSamples) {
         if self.chosen.outputs {
             for channel in 0..ANALOG as u8 {
                 let value = tables.analog(channel.into());
@@ -133,20 +117,14 @@ impl Trace {
     }
 
     /// An analog output from `at` ns after the next tick on.
-    pub(crate) fn record_analog(
-        &mut self,
-        at: u32,
-        channel: u8,
-        value: i16,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
-    ) {
+    pub(crate) fn record_analog(&mut self, at: u32, channel: u8, value: i16, samples: &mut TraceSamples) {
         if self.chosen.outputs && self.every != 0 {
             self.put(Sample { row: self.tick.wrapping_add(1), of: Traced::Analog { at, channel, value } }, samples);
         }
     }
 
     /// From the tick that was computed on, the ticks have this period.
-    pub(crate) fn record_period(&mut self, ns: u32, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    pub(crate) fn record_period(&mut self, ns: u32, samples: &mut TraceSamples) {
         if self.every != 0 {
             self.put(Sample { row: self.tick, of: Traced::Period { ns } }, samples);
         }
@@ -154,7 +132,7 @@ impl Trace {
 
     /// A channel's plan for the interval that begins with the next tick.
     #[inline]
-    pub(crate) fn record(&mut self, channel: u8, plan: &LaserPlan, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    pub(crate) fn record(&mut self, channel: u8, plan: &LaserPlan, samples: &mut TraceSamples) {
         let is_chosen = self.every != 0 && self.chosen.edges && self.chosen.lasers >> channel & 1 == 1;
         if is_chosen && (plan.safe_state || !plan.actions().is_empty()) {
             self.record_all(channel, plan, samples);
@@ -162,7 +140,7 @@ impl Trace {
     }
 
     #[inline(never)]
-    fn record_all(&mut self, channel: u8, plan: &LaserPlan, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    fn record_all(&mut self, channel: u8, plan: &LaserPlan, samples: &mut TraceSamples) {
         let (row, bit) = (self.tick.wrapping_add(1), 1 << (channel & 7));
         if !plan.safe_state {
             self.resting &= !bit;

@@ -39,7 +39,7 @@ impl Seen {
     fn fast_step(&mut self, now: u64, period: u64, feed: FifoEnds, script: &Script, ahead: bool) -> u32 {
         let (mut turns, next, period) = (0, Ns(now), Ns(period));
         if self.path.is_due(next) {
-            turns += self.path.turn(feed, |_| true) as u32;
+            turns += self.path.turn_at::<true>(feed, |_| true).is_some() as u32;
         }
         let fresh = self.path.is_fresh();
         let Step { position: place, heading, bend, motion, .. } = &mut self.step;
@@ -56,7 +56,7 @@ impl Seen {
             if ahead && turns == 0 {
                 self.path.prepare(feed, script);
             }
-        } else if !self.path.turn(feed, |_| true) || self.path.is_due_before(next, period) {
+        } else if self.path.turn_at::<true>(feed, |_| true).is_none() || self.path.is_due_before(next, period) {
             self.path.go_through(next, period, feed, script, &mut self.heard);
         } else {
             turns += 1;

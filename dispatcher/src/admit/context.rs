@@ -10,7 +10,7 @@ use crate::refuse::{Admitted, Refused, bits_of, choice, latched};
 use crate::report::answer::{Answer, TAKEN_MAX};
 use crate::report::replies::mode_number;
 use crate::report::trace::TraceColumns;
-use crate::shadow::{AxisShadow, CrdParameters, CrdShadow, ShadowChange, Shadows, executed};
+use crate::shadow::{AxisShadow, CrdParameters, CrdShadow, ShadowChange, Shadows, executed, is_in_flight};
 use protocol::reason::Reason;
 use servo::status::{RUNNING, SERVO_ON};
 use servo::tick_command::TickCommand;
@@ -294,7 +294,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
             return Err(self.no(Reason::ServoOff, axis));
         }
         // With a ClrSts in flight only the tick can know.
-        let clearing = shadow.cleared.is_some_and(|seq| !executed(self.view, seq));
+        let clearing = is_in_flight(self.view, shadow.cleared);
         if sampled.blocked != 0 && !clearing {
             return Err(self.no(latched(sampled.blocked), axis).got(sampled.status.into()));
         }

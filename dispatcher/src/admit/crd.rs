@@ -13,8 +13,7 @@ use protocol::command::{
 };
 use protocol::reason::Reason;
 use servo::laser::FilterRate;
-use servo::path::axis_map;
-use servo::path::{DIMENSIONS, FeedOverride, PathStores};
+use servo::path::{DIMENSIONS, FeedOverride, PathStores, axis_map};
 use servo::segment::ramp::Accel;
 use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{AxisMask, Crd, Pos};
@@ -201,7 +200,7 @@ fn startable<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
 pub fn start<const AXES: usize>(
     context: &mut Context<AXES>,
     queues: &mut [[PathQueue; 2]],
-    stores: PathStores<'_>,
+    stores: PathStores,
     r: &CrdStart,
 ) -> Admitted<Answer> {
     let crds = context.crd_mask(r.core.get(), r.mask.get().into(), 1)?;

@@ -336,7 +336,7 @@ fn explain(refused: geometry::Refused, shape: &GivenGeometry, field: u8) -> Refu
 }
 
 /// Admits a data command of a path.
-pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number: u16, body: &[u8]) -> Stored {
+pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths, number: u16, body: &[u8]) -> Stored {
     match number {
         opcode::LnXYMany => lines::<LnXYMany, 2, AXES>(context, paths, body),
         opcode::LnXYZMany => lines::<LnXYZMany, 3, AXES>(context, paths, body),
@@ -345,7 +345,7 @@ pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, number
 }
 
 /// Puts one item into a FIFO, in the order of the calls, through the look-ahead if there is one.
-pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target, what): &DataCommand) -> Stored {
+pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths, (target, what): &DataCommand) -> Stored {
     let filling = open(context, target)?;
     let (queue, stores) = filling.memory(paths)?;
     let mut data = filling.path.data;
@@ -395,11 +395,7 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths<'_>, (target
 }
 
 /// LnXYMany and LnXYZMany: all lines or none.
-fn lines<R: Lines<N>, const N: usize, const AXES: usize>(
-    context: &Context<AXES>,
-    paths: Paths<'_>,
-    body: &[u8],
-) -> Stored {
+fn lines<R: Lines<N>, const N: usize, const AXES: usize>(context: &Context<AXES>, paths: Paths, body: &[u8]) -> Stored {
     let (r, items) = many::<R>(body, |r| r.head().1)?;
     let (target, _, speeds) = r.head();
     let filling = open(context, &target)?;

@@ -68,17 +68,19 @@ fn prf<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &Prf
         }
         return Ok(answer);
     }
-    let direction = match sign {
+    let direction = direction(sign);
+    context.stage_with(TickCommand::FollowDirection { axis, direction }, ShadowChange::FollowDirection { axis, sign });
+    context.stage(TickCommand::FollowEvent { axis, event: StartEvent::Start });
+    Ok(answer)
+}
+
+/// The direction of a sign.
+pub fn direction(sign: i8) -> Direction {
+    match sign {
         0 => Direction::Both,
         1 => Direction::Up,
         _ => Direction::Down,
-    };
-    context.stage_with(
-        TickCommand::FollowDirection { axis, direction },
-        ShadowChange::FollowDirection { axis, direction: sign },
-    );
-    context.stage(TickCommand::FollowEvent { axis, event: StartEvent::Start });
-    Ok(answer)
+    }
 }
 
 /// The core whose axes a master type counts: the axis's own, or the other one of two.
@@ -146,10 +148,8 @@ fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r
     }
     choice(3, direction, -1, 1)?;
     let event = if which == 1 { StartEvent::Start } else { StartEvent::Pass { up: direction > 0, pos } };
-    context.only(
-        TickCommand::FollowEvent { axis, event },
-        ShadowChange::FollowEvent { axis, given: (which, direction, pos) },
-    )
+    let given = (which, direction, pos);
+    context.only(TickCommand::FollowEvent { axis, event }, ShadowChange::FollowEvent { axis, given })
 }
 
 fn space<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowSpace) -> Admitted<Answer> {

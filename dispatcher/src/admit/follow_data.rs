@@ -4,7 +4,7 @@
 //! Fails: with the parameter and the limit. Entries written by then lie after the end of the FIFO,
 //! where nobody reads.
 use super::context::{Context, TRAVEL_PULSES};
-use super::follow::{method, mode_of};
+use super::follow::{direction, method, mode_of};
 use super::one;
 use super::written::{SegmentStores, Stored, Written};
 use crate::plan::asymmetric_s;
@@ -94,7 +94,7 @@ impl FollowFifoWrite<'_> {
     fn written(&self, percent1: i16) -> (Written, ShadowChange) {
         let FollowFifoWrite { axis, fifo, cleared, shadow, .. } = *self;
         let answer = Answer::Entered { axis, fifo, percent1 };
-        (Written::new(FifoOf::Axis(axis), fifo, answer), ShadowChange::FollowData { axis, fifo, cleared, shadow })
+        (Written::new(FifoOf::Axis(axis), fifo, answer), ShadowChange::FollowData { axis, fifo, cleared, data: shadow })
     }
 
     #[cold]
@@ -248,11 +248,7 @@ impl<const AXES: usize> Context<'_, AXES> {
             return Err(self.no(Reason::FifoInUse, axis).field(field).got(fifo.into()));
         }
         let Some(store) = stores.get(axis.index()) else { return Err(self.no(Reason::NotInitialised, axis)) };
-        let direction = match shadow.follow.direction {
-            0 => Direction::Both,
-            1 => Direction::Up,
-            _ => Direction::Down,
-        };
+        let direction = direction(shadow.follow.direction);
         let (capacity, data) = (shadow.follow.capacity(), *shadow.follow.fifo(fifo));
         let cleared = shadow.follow.cleared[usize::from(fifo & 1)];
         Ok(FollowFifoWrite { store, axis, fifo, cleared, field, direction, capacity, shadow: data })

@@ -8,7 +8,7 @@ use protocol::command::{JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, 
 use protocol::reason::Reason;
 use servo::segment::ramp::{Accel, Speed};
 use servo::tick_command::{MotionMode, TickCommand};
-use servo::units::{Axis, Ns, StepLimit};
+use servo::units::{Axis, AxisMask, Ns, StepLimit};
 
 /// Longest smoothing of a Trap, ms.
 const SMOOTH_MAX_MS: i16 = 500;
@@ -111,8 +111,5 @@ pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context.only(
-        TickCommand::Update { axes },
-        ShadowChange::Started { axes, fifo1: servo::units::AxisMask(0), script_ns: 0 },
-    )
+    context.only(TickCommand::Update { axes }, ShadowChange::Started { axes, fifo1: AxisMask(0), script_ns: 0 })
 }

@@ -73,7 +73,7 @@ impl PathManyProgress {
     }
 
     /// The reply to so many of its calls.
-    pub fn taken<const AXES: usize>(&self, reading: &Reading<'_, AXES>, count: u16) -> CrdTaken {
+    pub fn taken<const AXES: usize>(&self, reading: &Reading<AXES>, count: u16) -> CrdTaken {
         self.of.map_or(CrdTaken::default(), |of| reading.path_taken(of, count, self.lasts_ms))
     }
 

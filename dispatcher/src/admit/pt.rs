@@ -91,10 +91,8 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
         }
     }
     all_startable(context, axes)?;
-    context.only(
-        TickCommand::PtStart { axes, fifo1 },
-        ShadowChange::Started { axes, fifo1, script_ns: context.due.script_ns },
-    )
+    let script_ns = context.due.script_ns;
+    context.only(TickCommand::PtStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns })
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.
@@ -206,7 +204,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         }
         let data = FifoShadow { end: data.end.wrapping_add(items.len() as u32), chain };
         let answer = Answer::Taken { axis, fifo, count: items.len() as u16 };
-        let change = ShadowChange::Data { axis, fifo, epoch: shadow.epoch, shadow: data };
+        let change = ShadowChange::Data { axis, fifo, epoch: shadow.epoch, data };
         Ok((Written::new(FifoOf::Axis(axis), fifo, answer), change))
     }
 

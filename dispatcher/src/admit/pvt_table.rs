@@ -127,12 +127,7 @@ impl PvtUpload {
     /// Finds room for the points of a table where nothing is lost: in an empty table. If no table
     /// is empty, the one that is replaced makes room as soon as it is not in use. It is empty from
     /// then on.
-    fn make_room<const AXES: usize>(
-        &mut self,
-        context: &Context<AXES>,
-        stores: TableStores<'_>,
-        slot: u8,
-    ) -> Admitted<()> {
+    fn make_room<const AXES: usize>(&mut self, context: &Context<AXES>, stores: TableStores, slot: u8) -> Admitted<()> {
         let is_free = |table: u8| {
             let filled = context.executed.is_filled(table) || context.shadows.is_filled(table);
             !filled && not_in_use(context, table).is_ok()
@@ -162,7 +157,7 @@ impl PvtUpload {
     pub fn table<const AXES: usize>(
         &mut self,
         context: &Context<AXES>,
-        stores: TableStores<'_>,
+        stores: TableStores,
         number: u16,
         body: &[u8],
     ) -> Admitted<Option<u8>> {
@@ -224,8 +219,8 @@ impl PvtUpload {
 /// Takes the points of a chunk; returns the draft with them.
 fn take(
     state: &mut Upload<PvtTableKey, TableDraft>,
-    scratch: &mut Scratch<'_>,
-    (chunk, limit): (&PvtChunk<'_>, StepLimit),
+    scratch: &mut Scratch,
+    (chunk, limit): (&PvtChunk, StepLimit),
     load: bool,
     mut answer: impl FnMut(f64),
 ) -> Admitted<TableDraft> {

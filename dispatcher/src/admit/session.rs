@@ -8,8 +8,7 @@ use crate::product::{FAMILIES, PROFILES};
 use crate::refuse::{Admitted, Refused, bits_of, choice, within};
 use crate::report::answer::Answer;
 use crate::report::trace::TraceColumns;
-use crate::shadow::ShadowChange;
-use crate::shadow::Watch;
+use crate::shadow::{ShadowChange, Watch};
 use protocol::command::{
     Abort, Choose, ClrSts, ConfigItem, LoadConfig, Reset, SetInterlock, SetLinkLoss, SetTick, Trace, Wire, opcode,
 };

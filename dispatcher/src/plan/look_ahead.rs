@@ -196,9 +196,9 @@ pub struct Planned {
 /// The first motion whose junction may still turn out to be rounding, if there is one: its number,
 /// its slot, and the length from its start to the end of the last motion.
 #[derive(Debug, Clone, Copy)]
-struct UndecidedJunction {
+pub(crate) struct UndecidedJunction {
     number: u32,
-    slot: usize,
+    pub(crate) slot: usize,
     length: f64,
 }
 
@@ -215,8 +215,8 @@ servo::state! {
         /// By the slots.
         steps: [Steps; STEPS] = [Steps::NONE; STEPS],
         /// Counters of the first motion, and of the one after the last.
-        first: usize = 0,
-        end: usize = 0,
+        pub(crate) first: usize = 0,
+        pub(crate) end: usize = 0,
         /// Square of the speed at which the first motion begins: the end speed of the last one
         /// handed over.
         begin: f64 = 0.0,
@@ -225,7 +225,7 @@ servo::state! {
         moves: bool = false,
         effects: u32 = 0,
         chords: Chords = Chords::new(),
-        unsure: UndecidedJunction = UndecidedJunction { number: 0, slot: 0, length: 0.0 },
+        pub(crate) unsure: UndecidedJunction = UndecidedJunction { number: 0, slot: 0, length: 0.0 },
         /// The first motion whose junction was changed since the last plan.
         changed: Option<usize> = None,
         /// Speeds are not planned for all motions.
@@ -377,15 +377,6 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
         if let Some(motion) = self.slots.get_mut(self.end.wrapping_sub(1) & (N - 1)) {
             motion.others = motion.others.saturating_add(1);
         }
-    }
-
-    /// Advances the counters of an empty queue, for tests. They are as wide as an address: `by`
-    /// counts with its sign, so that counters of any width are equally far from wrapping.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_counters(&mut self, by: u32) {
-        let by = by.cast_signed() as isize as usize;
-        (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
-        self.unsure.slot = self.unsure.slot.wrapping_add(by);
     }
 
     fn slot(&self, counter: usize) -> &WaitingMotion {

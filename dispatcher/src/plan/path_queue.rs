@@ -74,15 +74,16 @@ pub struct Destination<'x> {
 servo::state! {
     /// The data of one FIFO before the tick. All its bytes are zero at the beginning.
     pub struct PathQueue {
-        look: LookAhead<LOOK_AHEAD_MOTIONS, LOOK_AHEAD_STEPS> = LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
+        pub(crate) look: LookAhead<LOOK_AHEAD_MOTIONS, LOOK_AHEAD_STEPS> =
+            LookAhead::new(Limits { vel: [0.0; 4], acc: [0.0; 4], corner: 0.0 }),
         /// How long each entry lasts, by its counter.
         times: [PackedDuration; ENTRIES] = [PackedDuration::NONE; ENTRIES],
         /// The sum of those that are not over.
         sum: u64 = 0,
-        first: u32 = 0,
-        end: u32 = 0,
+        pub(crate) first: u32 = 0,
+        pub(crate) end: u32 = 0,
         /// After those that wait.
-        next: u32 = 0,
+        pub(crate) next: u32 = 0,
         cleared: u32 = 0,
         /// Motions that the look-ahead may hold.
         count: usize = 0,
@@ -100,15 +101,6 @@ impl PathQueue {
             self.look.clear();
             (self.sum, self.first, self.end, self.next, self.cleared) = (0, 0, 0, 0, cleared);
         }
-    }
-
-    /// Advances the counters of an empty queue, for tests.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_counters(&mut self, by: u32) {
-        for counter in [&mut self.first, &mut self.end, &mut self.next] {
-            *counter = counter.wrapping_add(by);
-        }
-        self.look.advance_counters(by);
     }
 
     /// Forgets the look-ahead and all entries from this one on.

@@ -14,7 +14,7 @@ use crate::report::answer::{Answer, Refuser, Sent};
 use crate::report::path_many;
 use crate::report::pending_replies::{Awaiting, TickRefusal};
 use crate::report::replies::Reading;
-use crate::shadow::{PROGRAM_FLAG, ShadowChange, executed};
+use crate::shadow::{PROGRAM_FLAG, ShadowChange, executed, is_in_flight};
 use crate::tick_queue::Until;
 use protocol::reason::{Cure, Reason, Refusal};
 use protocol::record::ReplyWriter;
@@ -23,7 +23,7 @@ use servo::tick_command::TickCommand;
 impl Program<'_> {
     /// A Stop in the immediate lane, or link loss: a running program ends, and its rest is answered
     /// `rest`. The ProgramDrop is pushed before the Stop, so that no entry starts the axes again.
-    pub fn stop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>, rest: Reason) {
+    pub fn stop<const AXES: usize>(&mut self, admission: &mut Admission<AXES>, rest: Reason) {
         if self.state == ProgramState::Running {
             self.cut(ProgramState::Stopped);
             self.ending.reason = rest;
@@ -33,7 +33,7 @@ impl Program<'_> {
 
     /// Abort: a program that is held or runs ends, and its rest is discarded. The ProgramDrop is
     /// pushed before the Abort.
-    pub fn abort<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+    pub fn abort<const AXES: usize>(&mut self, admission: &mut Admission<AXES>) {
         if self.is_active() {
             self.cut(ProgramState::Stopped);
             self.push_drop(admission);
@@ -126,14 +126,14 @@ impl Program<'_> {
 
     /// Makes the tick drop what is in the ring, as soon as the lane has room; after a failure it
     /// aborts, too.
-    pub(super) fn push_drop<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+    pub(super) fn push_drop<const AXES: usize>(&mut self, admission: &mut Admission<AXES>) {
         // A program that has failed switches on and moves nothing any more: nobody is asked first.
         let fails = self.state == ProgramState::Failed;
         if self.ending.drop != ProgramDrop::Due || admission.lane.room() < 1 + usize::from(fails) {
             return;
         }
         admission.push(TickCommand::ProgramDrop, ShadowChange::None);
-        self.ending.drop = ProgramDrop::Pushed(admission.lane.last());
+        self.ending.drop = ProgramDrop::Pushed(admission.lane.last);
         if fails {
             admission.push(TickCommand::Abort, ShadowChange::Aborted);
         }
@@ -172,7 +172,7 @@ impl Program<'_> {
         let view = poll.view;
         let mut progress = false;
         while let Some(&item) = self.replies.items.front() {
-            if item.open || !item.discarded && item.seq.is_some_and(|seq| !executed(view, seq)) {
+            if item.open || !item.discarded && is_in_flight(view, item.seq) {
                 break;
             }
             let refusal = self
@@ -218,12 +218,7 @@ impl Program<'_> {
 
     /// Answers an entry that was dropped. Of a PathMany the calls may be executed that came before
     /// the last part.
-    fn discarded<const AXES: usize>(
-        &self,
-        item: &Awaiting,
-        reading: &Reading<'_, AXES>,
-        out: &mut ReplyWriter,
-    ) -> Sent {
+    fn discarded<const AXES: usize>(&self, item: &Awaiting, reading: &Reading<AXES>, out: &mut ReplyWriter) -> Sent {
         let refusal = Refused::new(self.ending.reason).item(self.joined_done.into()).wire;
         match item.answer {
             Answer::Joined { crd, fifo, lasts_ms, values, .. } if self.joined_done > 0 => {

@@ -210,7 +210,7 @@ impl Program<'_> {
                     self.push(poll.admission, TickCommand::Mark, ShadowChange::None);
                 }
             }
-            poll.admission.apply(effect, self.lane.last());
+            poll.admission.apply(effect, self.lane.last);
             self.attach(head.opcode, head.tag, answer);
             return Ok(RecordOutcome::Taken);
         }
@@ -219,14 +219,14 @@ impl Program<'_> {
             self.replies.keep(values.into_iter().take(count.into()));
         }
         self.push_staged(poll.admission);
-        poll.admission.apply(effect, self.lane.last());
+        poll.admission.apply(effect, self.lane.last);
         if head.opcode == opcode::ProgramEnd {
-            self.run.end = Some(self.lane.last());
+            self.run.end = Some(self.lane.last);
         }
         self.replies.push(Awaiting {
             opcode: head.opcode,
             tag: head.tag,
-            seq: Some(self.lane.last()),
+            seq: Some(self.lane.last),
             own,
             answer,
             may_fail: head.may_fail,
@@ -236,19 +236,14 @@ impl Program<'_> {
     }
 
     /// Pushes one entry; the caller has checked that there is room.
-    fn push<const AXES: usize>(
-        &mut self,
-        admission: &mut Admission<'_, AXES>,
-        command: TickCommand,
-        change: ShadowChange,
-    ) {
+    fn push<const AXES: usize>(&mut self, admission: &mut Admission<AXES>, command: TickCommand, change: ShadowChange) {
         if self.lane.push(command, change, self.script.delay, &mut admission.admitted) {
-            self.script.push(&command, self.lane.last());
+            self.script.push(&command, self.lane.last);
         }
     }
 
     /// Pushes what is staged; the caller has checked that there is room.
-    fn push_staged<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+    fn push_staged<const AXES: usize>(&mut self, admission: &mut Admission<AXES>) {
         for index in 0..admission.staged.commands().len() {
             if let Some(&(command, change)) = admission.staged.commands().get(index) {
                 self.push(admission, command, change);
@@ -259,13 +254,13 @@ impl Program<'_> {
     /// Answers together with the entry before, or at once if that was executed.
     fn attach(&mut self, opcode: u16, tag: u16, answer: Answer) {
         let open = self.has_pending_commits();
-        let seq = self.lane.in_flight().then(|| self.lane.last());
+        let seq = self.lane.in_flight().then_some(self.lane.last);
         self.replies.push(Awaiting { opcode, tag, seq, open, answer, ..Awaiting::BLANK });
     }
 
     pub(super) fn commit_data<const AXES: usize>(
         &mut self,
-        admission: &mut Admission<'_, AXES>,
+        admission: &mut Admission<AXES>,
         head: RecordHead,
         written: &Written,
     ) {
@@ -276,7 +271,7 @@ impl Program<'_> {
             self.pending_commits.add(of, fifo);
         }
         let RecordHead { opcode, tag, may_fail } = head;
-        let (seq, open) = (at_once.then(|| admission.lane.last()), !at_once);
+        let (seq, open) = (at_once.then_some(admission.lane.last), !at_once);
         self.replies.push(Awaiting { opcode, tag, seq, open, own: true, may_fail, answer, ..Awaiting::BLANK });
     }
 
@@ -284,7 +279,7 @@ impl Program<'_> {
     /// not over before all its calls are taken.
     fn take_joined<const AXES: usize>(
         &mut self,
-        admission: &mut Admission<'_, AXES>,
+        admission: &mut Admission<AXES>,
         view: &View<AXES>,
         head: RecordHead,
         advance: Advance,
@@ -309,11 +304,11 @@ impl Program<'_> {
 
     /// Pushes the pending commits. There is room for them: no record is admitted without it, and
     /// data itself takes none.
-    pub fn flush<const AXES: usize>(&mut self, admission: &mut Admission<'_, AXES>) {
+    pub fn flush<const AXES: usize>(&mut self, admission: &mut Admission<AXES>) {
         if !self.has_pending_commits() || self.lane.room() < self.pending_commits.count() {
             return;
         }
-        let (first, pending) = (seq_after(self.lane.last()), core::mem::take(&mut self.pending_commits));
+        let (first, pending) = (seq_after(self.lane.last), core::mem::take(&mut self.pending_commits));
         for (of, fifo) in pending.fifos() {
             let (command, change) = admission.commit(of, fifo);
             self.push(admission, command, change);

@@ -110,7 +110,7 @@ struct Ending {
 servo::state! {
     /// The program queue.
     pub struct Program<'a> {
-        lane: TickQueue<'a, PROGRAM_ENTRIES> = TickQueue::new(ring, PROGRAM_FLAG),
+        pub(crate) lane: TickQueue<'a, PROGRAM_ENTRIES> = TickQueue::new(ring, PROGRAM_FLAG),
         records: Records = Records::new(),
         replies: PendingReplies<AWAITING_REPLIES, AWAITING_VALUES> = PendingReplies::new(),
         state: ProgramState = ProgramState::Empty,
@@ -132,8 +132,9 @@ servo::state! {
         overflowed: bool = false,
         /// Nothing more can be admitted before the tick or the client acts.
         settled: bool = true,
-        /// The record in hand waits for the machine and must not miss the tick.
-        urgent: bool = false,
+        /// The record in hand waits for the machine and must not miss the tick: it may become right
+        /// with any. One that waits for slots in a FIFO ahead of its time is not urgent.
+        pub(crate) urgent: bool = false,
         /// The data in hand waits for room in this FIFO, whose motion runs.
         waits_for: Option<(FifoOf, u8)> = None,
     }
@@ -161,7 +162,7 @@ impl<'a> Program<'a> {
 
     /// Whether the instant of the record in hand is over, and all that was before it in either
     /// lane: what a look-ahead gives to its path goes through the immediate one.
-    fn is_past<const AXES: usize>(&self, admission: &Admission<'_, AXES>, view: &View<AXES>) -> bool {
+    fn is_past<const AXES: usize>(&self, admission: &Admission<AXES>, view: &View<AXES>) -> bool {
         let instant = self.script.instant_after(view);
         let quiet = !self.lane.in_flight() && !admission.lane.in_flight() && self.replies.items.is_empty();
         self.runs(view) && quiet && view.now.0 > instant
@@ -211,7 +212,7 @@ impl<'a> Program<'a> {
 
     /// Data has been written to a FIFO. The clock waits for a stream: for data that has waited for
     /// room, and for data that follows other data, or a start, of its instant and comes after that.
-    fn stream<const AXES: usize>(&mut self, admission: &Admission<'_, AXES>, view: &View<AXES>, fifo: (FifoOf, u8)) {
+    fn stream<const AXES: usize>(&mut self, admission: &Admission<AXES>, view: &View<AXES>, fifo: (FifoOf, u8)) {
         let has_waited = self.waits_for.take().is_some();
         let follows = || self.script.delay == 0 && admission.drains(view, fifo);
         let is_past = self.script.instant_from(view.script_zero.0) < view.now.0;
@@ -225,12 +226,6 @@ impl<'a> Program<'a> {
     /// Whether it is held or runs.
     pub fn is_active(&self) -> bool {
         matches!(self.state, ProgramState::Held | ProgramState::Running)
-    }
-
-    /// Whether the record in hand may become right with any tick. One that waits for slots in a
-    /// FIFO ahead of its time is not urgent.
-    pub fn is_urgent(&self) -> bool {
-        self.urgent
     }
 
     fn is_dropping(&self) -> bool {
@@ -271,7 +266,7 @@ impl<'a> Program<'a> {
     /// ProgramStart, ProgramClear, ProgramStatus.
     pub fn control<const AXES: usize>(
         &mut self,
-        admission: &mut Admission<'_, AXES>,
+        admission: &mut Admission<AXES>,
         record: &RequestRecord,
     ) -> Admitted<RecordOutcome> {
         match record.opcode {
@@ -292,7 +287,7 @@ impl<'a> Program<'a> {
                 // All of the instant 0 is in the ring before the clock runs.
                 self.flush(admission);
                 admission.push(TickCommand::ProgramRun, ShadowChange::None);
-                self.run.start = Some(admission.lane.last());
+                self.run.start = Some(admission.lane.last);
                 self.script.clock = 0;
                 (self.reported.overruns[1], self.reported.answered) = (self.reported.overruns[0], (0, 0));
                 self.ending.strict = start.strict != 0;
@@ -362,12 +357,6 @@ impl<'a> Program<'a> {
             renew(view, seq);
         }
         self.script.pauses.renew(view);
-    }
-
-    /// Advances the numbers of the lane, for tests of counters.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_counters(&mut self, entries: u32) {
-        self.lane.advance_counters(entries);
     }
 
     /// Does all that is possible now. True if something was done.

@@ -52,7 +52,7 @@ pub enum ShutOff {
 #[derive(Default)]
 pub struct Log {
     items: Deque<EventItem, EVENTS_KEPT>,
-    total: u32,
+    pub total: u32,
     faults: [u16; CHANNELS],
     ignored: [u8; CHANNELS],
     limits: [u8; CHANNELS],
@@ -127,11 +127,6 @@ impl Log {
             }
             _ => self.put(at, EventKind::Limited, channel, times),
         }
-    }
-
-    /// Events since the start.
-    pub fn total(&self) -> u32 {
-        self.total
     }
 
     /// Those that are kept, the oldest first.

@@ -319,7 +319,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
 
     fn events(&self, tag: u16, out: &mut ReplyWriter) -> Sent {
         let items: Vec<_, EVENTS_KEPT> = collect(self.log.items().copied());
-        let head = command::EventsReply { total: self.log.total().into(), count: (items.len() as u16).into() };
+        let head = command::EventsReply { total: self.log.total.into(), count: (items.len() as u16).into() };
         out.done::<command::GetEvents>(tag, &head, &items)
     }
 

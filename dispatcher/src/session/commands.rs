@@ -17,7 +17,7 @@ use crate::report::answer::Answer;
 use crate::report::event_log::{EventKind, ShutOff};
 use crate::report::path_many::KEPT;
 use crate::report::pending_replies::{Awaiting, PendingReplies, RecordOutcome, TickRefusal};
-use crate::shadow::{AxisShadow, CAPACITY, RefreshedNumbers, ShadowChange, Watch, executed};
+use crate::shadow::{AxisShadow, CAPACITY, RefreshedNumbers, ShadowChange, Watch, is_in_flight};
 use protocol::command;
 use protocol::path_many::HELD_AT_ONCE;
 use protocol::record::{ReplyWriter, RequestRecord};
@@ -60,7 +60,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
 
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
     /// ended.
-    pub fn update_from(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
+    pub fn update_from(&mut self, program: &mut Program, view: &View<AXES>) {
         let mine = self.admission.lane.retire(view, &mut self.admission.executed, self.replies.until());
         let its = program.retire(view, &mut self.admission.executed);
         self.is_lagging = !(mine && its);
@@ -112,17 +112,17 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     }
 
     /// Goes on where replies that waited kept the executed state back.
-    pub fn catch_up(&mut self, program: &mut Program<'_>, view: &View<AXES>) {
+    pub fn catch_up(&mut self, program: &mut Program, view: &View<AXES>) {
         if self.is_lagging {
             self.update_from(program, view);
         }
     }
 
     /// Answers what was executed. True if anything was answered.
-    pub fn answer(&mut self, view: &View<AXES>, program: &Program<'_>, out: &mut ReplyWriter) -> bool {
+    pub fn answer(&mut self, view: &View<AXES>, program: &Program, out: &mut ReplyWriter) -> bool {
         let mut progress = false;
         while let Some(&item) = self.replies.items.front() {
-            if item.seq.is_some_and(|seq| !executed(view, seq)) {
+            if is_in_flight(view, item.seq) {
                 break;
             }
             if self.is_lagging {
@@ -174,7 +174,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     }
 
     fn await_last(&mut self, record: &RequestRecord, answer: Answer, own: bool) -> RecordOutcome {
-        let seq = self.admission.lane.in_flight().then(|| self.admission.lane.last());
+        let seq = self.admission.lane.in_flight().then_some(self.admission.lane.last);
         self.replies.push(Awaiting { opcode: record.opcode, tag: record.tag, seq, own, answer, ..Awaiting::BLANK });
         RecordOutcome::Taken
     }

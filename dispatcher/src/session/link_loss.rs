@@ -24,8 +24,8 @@ pub fn instant(heard: u64, link_loss_ms: u32) -> u64 {
 /// axes, if SetLinkLoss demands it), and the rest of a running program is dropped. Other motion
 /// goes on without light.
 pub fn watch<const AXES: usize>(
-    admission: &mut Admission<'_, AXES>,
-    program: &mut Program<'_>,
+    admission: &mut Admission<AXES>,
+    program: &mut Program,
     lost: &mut bool,
     heard: Option<u64>,
     now: Ns,
@@ -48,7 +48,7 @@ pub fn watch<const AXES: usize>(
 }
 
 /// Reports to the tick that the link is lost or back; false if the lane has no room for it now.
-fn report<const AXES: usize>(admission: &mut Admission<'_, AXES>, lost: bool) -> bool {
+fn report<const AXES: usize>(admission: &mut Admission<AXES>, lost: bool) -> bool {
     // On a loss all paths brake.
     let crds = CrdMask(if lost { u8::MAX } else { 0 });
     admission.push(TickCommand::Link { lost }, ShadowChange::Stopped { axes: AxisMask(0), crds })

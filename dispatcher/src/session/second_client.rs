@@ -33,7 +33,7 @@ impl SecondaryTransport {
     pub fn feed<const AXES: usize>(
         &mut self,
         now: Ns,
-        server: &mut Server<'_, AXES>,
+        server: &mut Server<AXES>,
         holder: Option<&str>,
         bytes: &[u8],
     ) -> (usize, bool) {

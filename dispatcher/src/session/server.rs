@@ -66,14 +66,14 @@ servo::state! {
     /// The thread's side of a controller. `AXES` is the capacity of the build.
     pub struct Server<'a, const AXES: usize> {
         link: Endpoint<LINK_WINDOW> = Endpoint::new(Role::Controller, Identity::OURS),
-        handler: CommandHandler<'a, AXES> = CommandHandler::new(Admission::new(
+        pub(crate) handler: CommandHandler<'a, AXES> = CommandHandler::new(Admission::new(
                 board,
                 channels.stores,
                 (channels.paths, channels.queues),
                 channels.tables,
                 channels.immediate,
             )),
-        program: Program<'a> = Program::new(channels.program),
+        pub(crate) program: Program<'a> = Program::new(channels.program),
         view: Reader<'a, View<AXES>> = channels.view,
         events: Consumer<'a, Event, EVENTS> = channels.events,
         samples: Consumer<'a, Sample, TRACE_SAMPLES> = channels.samples,
@@ -293,35 +293,11 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
         let link_loss_ms = self.handler.admission.executed.watch.link_loss_ms;
         let loss = self.heard.filter(|_| !self.lost && link_loss_ms != 0);
         let loss = loss.map(|heard| link_loss::instant(heard, link_loss_ms));
-        let next_tick = self.program.is_urgent().then(|| self.time.0.saturating_add(1));
+        let next_tick = self.program.urgent.then(|| self.time.0.saturating_add(1));
         let flush = self.program.flush_due(self.view.last()).map(|due| due.0);
         let feed = self.handler.admission.feed_due;
         let due = [self.link.next_deadline(), loss, next_tick, flush].into_iter().flatten().fold(feed, u64::min);
         (due != u64::MAX).then_some(Ns(due))
-    }
-
-    /// Advances the numbers of each lane by `entries`, with
-    /// [`Tick::advance_counters`](servo::tick::Tick::advance_counters) by as much before the next
-    /// tick. For tests of what a long life does to counters. Nothing may be in flight.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_counters(&mut self, entries: u32) {
-        self.handler.admission.lane.advance_counters(entries);
-        self.program.advance_counters(entries);
-    }
-
-    /// Advances the counts of entries and motions of each FIFO of a path, with
-    /// [`Tick::advance_fifo_counters`](servo::tick::Tick::advance_fifo_counters). The FIFOs must be
-    /// empty.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_fifo_counters(&mut self, by: u32) {
-        let paths = self.handler.admission.admitted.crds.iter().flat_map(|crd| &crd.fifos);
-        for (queue, path) in self.handler.admission.queues.iter_mut().flatten().zip(paths) {
-            queue.update_cleared(path.cleared);
-            queue.advance_counters(by);
-        }
-        for shadows in [&mut self.handler.admission.executed, &mut self.handler.admission.admitted] {
-            shadows.crds.iter_mut().for_each(|crd| crd.advance_counters(by));
-        }
     }
 
     /// The newest view, for displays and tests.

@@ -1,6 +1,6 @@
 //! Shadow state of one axis.
 use super::follow::FollowShadow;
-use super::{PROGRAM_FLAG, SOFT_OFF, executed, is_up_to};
+use super::{PROGRAM_FLAG, SOFT_OFF, executed, is_in_flight, is_up_to};
 use protocol::command::{JogPrm, TrapPrm};
 use protocol::values::pt_state;
 use servo::segment::pt::Chain;
@@ -102,7 +102,7 @@ impl AxisShadow {
     }
     /// The FIFO of Follow that runs when the next entry acts, if the axis does and does not switch.
     pub fn running_fifo<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> u8 {
-        if self.busy.is_some_and(|seq| !executed(view, seq)) { self.fifo } else { axis.fifo }
+        if is_in_flight(view, self.busy) { self.fifo } else { axis.fifo }
     }
     /// Whether a switch to the other FIFO is pending when the next entry acts.
     pub fn is_switching<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
@@ -120,7 +120,7 @@ impl AxisShadow {
     }
     /// Whether a command's effect on the FIFOs of Follow is known only at its instant.
     pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
-        self.follow.may_switch(view, axis, self.is_busy(view, axis))
+        self.is_busy(view, axis) && (self.is_switching(view, axis) || self.follow.has_switches())
     }
     /// As [`AxisShadow::is_outgoing`], of a FIFO of Follow.
     pub fn is_follow_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
@@ -128,13 +128,14 @@ impl AxisShadow {
         let in_order = |first: u32, last: u32| (first ^ last) & PROGRAM_FLAG == 0 && is_up_to(first, last);
         let emptied = self.follow.emptied(fifo).zip(self.emptied);
         let busy = if emptied.is_some_and(|(fifo, axis)| in_order(fifo, axis)) {
-            axis.status & RUNNING != 0 || self.leaving.is_some_and(|seq| !executed(view, seq))
+            axis.status & RUNNING != 0 || is_in_flight(view, self.leaving)
         } else {
             self.is_busy(view, axis)
         };
-        // With a start in flight, one before it may be in flight, too.
+        // The tick is known to run the other FIFO. With a start in flight, one before it may be in
+        // flight, too.
         let idle = self.busy.is_none_or(|seq| executed(view, seq)) && axis.fifo != fifo && !self.may_switch(view, axis);
-        self.is_outgoing(view, axis) || self.follow.is_outgoing(view, fifo, busy, idle)
+        self.is_outgoing(view, axis) || busy && !idle && self.follow.is_invalid(view, fifo)
     }
     /// Whether a PT or ramp motion may be running when the next entry acts.
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
@@ -150,16 +151,15 @@ impl AxisShadow {
     }
     /// Whether the tick itself may still be working through data of an earlier start.
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
-        axis.status & RUNNING != 0 || self.busy.is_some_and(|seq| !executed(view, seq))
+        axis.status & RUNNING != 0 || is_in_flight(view, self.busy)
     }
     /// Whether the data of a FIFO is over at this point of the lane while the tick may still read
     /// it: a stream that a WaitStop waits for, or a FIFO that will be emptied.
     pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
         let runs = axis.status & RUNNING != 0;
-        let emptied = self.emptied.is_some_and(|seq| !executed(view, seq))
-            && (runs || self.leaving.is_some_and(|seq| !executed(view, seq)));
+        let emptied = is_in_flight(view, self.emptied) && (runs || is_in_flight(view, self.leaving));
         // A stream that a Stop has ended is over while its axis still brakes.
-        let streams = axis.pt_state == pt_state::RUNNING || self.busy.is_some_and(|seq| !executed(view, seq));
+        let streams = axis.pt_state == pt_state::RUNNING || is_in_flight(view, self.busy);
         let ended = self.is_dynamic() && self.started.is_none() && streams;
         emptied || ended
     }
@@ -179,7 +179,7 @@ impl AxisShadow {
         }
         let end = self.fifos.get(fifo).map_or(0, |fifo| fifo.end);
         // A ring that will be emptied has released nothing of what follows.
-        let emptied = self.emptied.is_some_and(|seq| !executed(view, seq));
+        let emptied = is_in_flight(view, self.emptied);
         let released = if self.is_dynamic() && !emptied { axis.released } else { 0 };
         self.capacity().saturating_sub(end.wrapping_sub(released))
     }

@@ -1,5 +1,5 @@
 //! Shadow state of one laser channel.
-use super::executed;
+use super::is_in_flight;
 use servo::Fifos;
 use servo::laser::{self, BANKS, Carrier, DISTANCES, POWER_TABLES, Power, PowerBounds, Ratios, SpeedSource};
 use servo::view::View;
@@ -21,16 +21,6 @@ pub struct DistanceShadow {
     pub from: Ratios,
     /// Bounds of its own.
     pub bounds: Option<PowerBounds>,
-}
-
-impl DistanceShadow {
-    /// The bank of ratios that it reads.
-    pub fn bank(&self) -> Option<u8> {
-        match self.from {
-            Ratios::Fixed => None,
-            Ratios::Lines { bank } | Ratios::Plane { bank, .. } => Some(bank),
-        }
-    }
 }
 
 servo::state! {
@@ -87,10 +77,10 @@ impl LaserShadow {
 
     /// A bank of ratios that nothing reads or will read; `read` is the one in use.
     pub fn free_bank<const AXES: usize>(&self, view: &View<AXES>, read: Option<u8>) -> Option<u8> {
-        let ahead = self.distance.and_then(|distance| distance.bank());
+        let ahead = self.distance.and_then(|distance| distance.from.bank());
         let named = |bank: u8| self.banks.get(usize::from(bank)).copied().flatten();
         (0..BANKS as u8).find(|bank| {
-            let waits = named(*bank).is_some_and(|seq| !executed(view, seq));
+            let waits = is_in_flight(view, named(*bank));
             Some(*bank) != read && Some(*bank) != ahead && !waits
         })
     }
@@ -125,7 +115,7 @@ impl LaserShadow {
             LaserChange::Cleared => self.cleared = Some(seq),
             LaserChange::Distance(distance) => {
                 self.distance = distance;
-                let bank = distance.and_then(|distance| distance.bank());
+                let bank = distance.and_then(|distance| distance.from.bank());
                 if let Some(slot) = bank.and_then(|bank| self.banks.get_mut(usize::from(bank))) {
                     *slot = Some(seq);
                 }

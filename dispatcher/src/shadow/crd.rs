@@ -1,5 +1,5 @@
 //! Shadow state of one coordinate system: its parameters, both FIFOs, the start of the next motion.
-use super::{PROGRAM_FLAG, entries_from, executed, seq_from};
+use super::{PROGRAM_FLAG, entries_from, executed, is_in_flight, seq_from};
 use crate::plan::geometry::{Position, position_of};
 use protocol::command::CrdPrm;
 use servo::path::{DIMENSIONS, PathStop};
@@ -295,18 +295,11 @@ impl CrdShadow {
     }
     /// Whether a Stop that has not been executed may leave it stopped within its data.
     pub fn may_be_stopped<const AXES: usize>(&self, view: &View<AXES>) -> bool {
-        self.stopped && self.last.is_some_and(|seq| !executed(view, seq))
+        self.stopped && is_in_flight(view, self.last)
     }
     /// Whether the tick itself may still be at work for an earlier start.
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
-        sampled.runs || self.busy.is_some_and(|seq| !executed(view, seq))
-    }
-    /// Advances the counts of entries and motions of its empty FIFOs, for tests.
-    #[cfg(feature = "test-hooks")]
-    pub fn advance_counters(&mut self, by: u32) {
-        for PathData { given, over, motions, .. } in self.fifos.iter_mut().map(|path| &mut path.data) {
-            [given, over, motions].into_iter().for_each(|count| *count = count.wrapping_add(by));
-        }
+        sampled.runs || is_in_flight(view, self.busy)
     }
     /// Motions of a FIFO that are done, and those that remain.
     pub fn segments(&self, sampled: &CrdView, fifo: u8) -> (u32, u32) {
@@ -474,7 +467,7 @@ impl CrdShadow {
             return;
         }
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || sampled.runs);
-        self.may_fail &= self.busy.is_some_and(|seq| !executed(view, seq));
+        self.may_fail &= is_in_flight(view, self.busy);
         self.started = over(self.started);
         self.busy = over(self.busy);
         let done = |seq: Option<u32>| seq.is_none_or(|seq| executed(view, seq));

@@ -35,6 +35,11 @@ pub fn executed<const AXES: usize>(view: &View<AXES>, seq: u32) -> bool {
     done & PROGRAM_FLAG == seq & PROGRAM_FLAG && is_up_to(seq, done)
 }
 
+/// Whether there is such an entry, and the tick has not executed it.
+pub fn is_in_flight<const AXES: usize>(view: &View<AXES>, seq: Option<u32>) -> bool {
+    seq.is_some_and(|seq| !executed(view, seq))
+}
+
 /// Entries after which numbers are renewed. Numbers are compared over half their range: one
 /// executed 2³⁰ entries ago would look as if it were still to come.
 const RENEWED: u32 = 1 << 24;

@@ -3,8 +3,8 @@
 //!
 //! The tick empties a FIFO that a switch leaves, at a time that only the master decides. So the
 //! effect of a command on the FIFOs of an axis that may switch is known only at its instant
-//! ([`FollowShadow::may_switch`]).
-use super::executed;
+//! ([`super::AxisShadow::may_switch`]).
+use super::is_in_flight;
 use servo::segment::follow::FollowChain;
 use servo::units::Axis;
 use servo::view::{AxisView, View};
@@ -70,22 +70,13 @@ impl FollowShadow {
     pub fn space(&self, fifo: u8) -> u32 {
         self.capacity().saturating_sub(self.fifo(fifo).chain.entries())
     }
-    /// Whether the tick, if it is `busy` with the axis, may switch FIFOs at an unknown time.
-    pub fn may_switch<const AXES: usize>(&self, view: &View<AXES>, sampled: &AxisView, busy: bool) -> bool {
-        busy && (self.is_to_switch(view) || sampled.switching || self.has_switches())
-    }
     /// Whether an entry of a FIFO switches to the other one.
     pub fn has_switches(&self) -> bool {
         self.fifos.iter().any(|fifo| fifo.switches)
     }
     /// Whether an entry that switches is in flight.
     pub fn is_to_switch<const AXES: usize>(&self, view: &View<AXES>) -> bool {
-        self.switch.is_some_and(|seq| !executed(view, seq))
-    }
-    /// Whether the tick may still read the slots of a FIFO that was emptied. `idle` states that it
-    /// is known to run the other one.
-    pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, fifo: u8, busy: bool, idle: bool) -> bool {
-        busy && !idle && self.is_invalid(view, fifo)
+        is_in_flight(view, self.switch)
     }
     /// The entry that emptied this FIFO last.
     pub fn emptied(&self, fifo: u8) -> Option<u32> {
@@ -93,7 +84,7 @@ impl FollowShadow {
     }
     /// Whether the tick has still to execute the entry that empties this FIFO.
     pub fn is_invalid<const AXES: usize>(&self, view: &View<AXES>, fifo: u8) -> bool {
-        self.emptied[usize::from(fifo & 1)].is_some_and(|seq| !executed(view, seq))
+        is_in_flight(view, self.emptied[usize::from(fifo & 1)])
     }
 
     /// Calls `young` with every entry number.

@@ -297,7 +297,7 @@ impl<const AXES: usize> Arena<AXES> {
             headers: Box::new(HeaderStore::new()),
             lasers: Box::new(servo::laser::PowerTables::new()),
             edges: Box::new(servo::EdgeCounts::new()),
-            paths: row(Default::default),
+            paths: row(|| [const { EntryStore::new() }; 2]),
             queues: (0..Crd::MAX).map(|_| Default::default()).collect(),
             immediate: Ring::new(),
             program: Ring::new(),

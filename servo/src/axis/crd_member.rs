@@ -8,9 +8,7 @@ use super::{AxisState, MotionState, exact};
 use crate::math::wide::umulhi;
 use crate::path::TrajectorySample;
 use crate::segment::follow::{MasterPathKind, PositionTrack};
-use crate::segment::profile::Generator;
-use crate::segment::pt::Segments;
-use crate::segment::pvt::PvtTables;
+use crate::segment::profile::{Generator, MotionData};
 use crate::segment::ramp::Trapezoid;
 use crate::status;
 use crate::tick_command::MotionMode;
@@ -50,7 +48,7 @@ impl AxisState {
     }
 
     /// Its own motion is over if that ends at the tick computed or before.
-    pub(crate) fn arrive(&mut self, next: Ns, source: &(impl Segments + PvtTables)) {
+    pub(crate) fn arrive(&mut self, next: Ns, source: &impl MotionData) {
         if self.state.is_own() && !self.moving(next, source).1 {
             self.step(next, source);
         }
@@ -189,7 +187,7 @@ impl AxisState {
         (next, at): (Ns, Ns),
         to: &Trapezoid,
         geared: bool,
-        source: &(impl Segments + PvtTables),
+        source: &impl MotionData,
     ) -> Option<FineNs> {
         if self.published.mode != MotionMode::Trap
             || self.state == MotionState::Driven && !geared

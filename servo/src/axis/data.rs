@@ -5,8 +5,8 @@
 use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, Ramps, pt_state};
 use crate::segment::follow;
 use crate::segment::piece::Scaled;
-use crate::segment::profile::Generator;
-use crate::segment::pt::{AllowedData, PtRun, Segments, SlotRange};
+use crate::segment::profile::{Generator, MotionData};
+use crate::segment::pt::{AllowedData, PtRun, SlotRange};
 use crate::segment::pvt::{PvtRun, PvtTables};
 use crate::segment::ramp::Moving;
 use crate::tick_command::MotionMode;
@@ -96,7 +96,7 @@ impl AxisState {
     }
 
     /// The same at once, even if more tick commands for the axis may follow.
-    pub(crate) fn prepare_start_now(&mut self, source: &(impl Segments + PvtTables + follow::FollowEntries)) -> bool {
+    pub(crate) fn prepare_start_now(&mut self, source: &(impl MotionData + follow::FollowEntries)) -> bool {
         self.unprepared = 1;
         self.prepare_start(source)
     }
@@ -110,7 +110,7 @@ impl AxisState {
     /// last, the table selected, the Jog or Trap that is set, or the first FIFO of Follow with
     /// data. Returns whether it took any time.
     #[inline(never)]
-    pub(crate) fn prepare_start(&mut self, source: &(impl Segments + PvtTables + follow::FollowEntries)) -> bool {
+    pub(crate) fn prepare_start(&mut self, source: &(impl MotionData + follow::FollowEntries)) -> bool {
         self.unprepared = self.unprepared.saturating_sub(1);
         if self.unprepared != 0 {
             return false;
@@ -187,7 +187,7 @@ impl AxisState {
 
     /// Finds how long the data of a stream or a pass lasts; every eighth tick is enough.
     #[inline(never)]
-    pub(crate) fn look_ahead(&mut self, next: Ns, source: &(impl Segments + PvtTables), published: &mut AxisView) {
+    pub(crate) fn look_ahead(&mut self, next: Ns, source: &impl MotionData, published: &mut AxisView) {
         if let Generator::Pt(run) = self.profile.generator() {
             self.published.dry_ms = run.dry_ms(next, self.feed(), source, self.profile.is_ahead());
             self.turned();

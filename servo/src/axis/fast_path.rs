@@ -101,7 +101,7 @@ impl AxisState {
     #[inline(never)]
     fn publish_entered(&mut self) {
         self.published.enter(&self.profile.piece().motion);
-        if self.profile.reports_pass() {
+        if self.profile.reports_pass {
             self.publish_pass();
         }
     }

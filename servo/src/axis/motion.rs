@@ -6,9 +6,7 @@
 use super::{AxisState, Jog, MotionState, Ramps, exact, pt_state};
 use crate::segment::generator_state::GeneratorState;
 use crate::segment::piece::{Motion, Scaled};
-use crate::segment::profile::Generator;
-use crate::segment::pt::Segments;
-use crate::segment::pvt::PvtTables;
+use crate::segment::profile::{Generator, MotionData};
 use crate::segment::ramp::Moving;
 use crate::status;
 use crate::tick_command::MotionMode;
@@ -37,7 +35,7 @@ impl AxisState {
     }
 
     /// Jog or Trap begins or changes; its time is 0 at `next`.
-    pub(crate) fn update(&mut self, next: Ns, source: &(impl Segments + PvtTables)) {
+    pub(crate) fn update(&mut self, next: Ns, source: &impl MotionData) {
         if self.begin_prepared(next) {
             return;
         }
@@ -87,7 +85,7 @@ impl AxisState {
     }
 
     /// Its position and velocity at `next` in the present motion, and whether it still runs there.
-    pub(super) fn moving(&mut self, next: Ns, source: &(impl Segments + PvtTables)) -> (Moving, bool) {
+    pub(super) fn moving(&mut self, next: Ns, source: &impl MotionData) -> (Moving, bool) {
         let rest = |pos| (Moving { pos, velocity: Scaled { m: 0, e: 0 } }, false);
         if !self.state.is_own() {
             return rest(self.exact);
@@ -106,7 +104,7 @@ impl AxisState {
     }
 
     /// Smooth stop from `next` on. A motion that ends there anyway ends by itself.
-    pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &(impl Segments + PvtTables)) {
+    pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &impl MotionData) {
         if !self.state.is_own() || self.ending.is_brake() {
             return;
         }
@@ -122,7 +120,7 @@ impl AxisState {
         if runs {
             let dec = self.ramps.stop_dec;
             // A pass that has ended by now is counted.
-            if self.profile.reports_pass() && self.profile.piece().elapsed(next) >= self.profile.piece().span {
+            if self.profile.reports_pass && self.profile.piece().elapsed(next) >= self.profile.piece().span {
                 self.publish_pass_of(true);
             }
             self.profile.enter_reached(next);
@@ -141,7 +139,8 @@ impl AxisState {
             self.come_to_standstill(next, exact(self.published.pos), reason);
             self.profile.forget();
             if let Some(follower) = self.profile.follower_mut() {
-                follower.forget_track();
+                // Its positions in this tick are not those that were planned.
+                follower.track.clear();
             }
         }
     }
@@ -168,7 +167,7 @@ impl AxisState {
         &mut self,
         next: Ns,
         left: &mut u32,
-        source: &(impl Segments + PvtTables),
+        source: &impl MotionData,
         published: &mut AxisView,
     ) -> Option<StopReason> {
         let mut stopped = None;
@@ -205,7 +204,7 @@ impl AxisState {
 
     /// The motion at `next` of an axis that runs; the reason if it comes to standstill there.
     #[inline(always)]
-    pub(crate) fn step(&mut self, next: Ns, source: &(impl Segments + PvtTables)) -> Option<StopReason> {
+    pub(crate) fn step(&mut self, next: Ns, source: &impl MotionData) -> Option<StopReason> {
         if self.causes.present & status::FAULTS != 0 {
             return Some(self.stopped_by_fault(next));
         }
@@ -241,7 +240,7 @@ impl AxisState {
 
     /// The piece is over: on to the next one, or to the end of the motion and its reason.
     #[inline(never)]
-    fn turn(&mut self, next: Ns, source: &(impl Segments + PvtTables)) -> Option<StopReason> {
+    fn turn(&mut self, next: Ns, source: &impl MotionData) -> Option<StopReason> {
         let feed = self.feed();
         let state = self.profile.turn(next, feed, source);
         let running = state == GeneratorState::Running;
@@ -253,7 +252,7 @@ impl AxisState {
     #[inline(always)]
     fn publish_piece(&mut self, running: bool) {
         self.published.motion = self.profile.piece().motion;
-        if !running || self.profile.reports_pass() {
+        if !running || self.profile.reports_pass {
             self.publish_pass_of(running);
         }
     }
@@ -302,7 +301,7 @@ impl AxisState {
 
     /// Makes the next piece, in a tick that has time for it. Returns whether it took any.
     #[inline(never)]
-    fn prepare(&mut self, source: &(impl Segments + PvtTables)) -> bool {
+    fn prepare(&mut self, source: &impl MotionData) -> bool {
         let feed = self.feed();
         self.profile.prepare(feed, source)
     }

@@ -10,9 +10,7 @@ use crate::segment::follow::{
     MasterSample, Method, OutputActions, PackedWait,
 };
 use crate::segment::piece::Motion;
-use crate::segment::profile::Generator;
-use crate::segment::pt::Segments;
-use crate::segment::pvt::PvtTables;
+use crate::segment::profile::{Generator, MotionData};
 use crate::segment::ramp::Moving;
 use crate::status;
 use crate::tick_command::MotionMode;
@@ -60,7 +58,7 @@ impl AxisState {
         if self.published.mode == MotionMode::Gear && self.follows() {
             return self.take_ratio();
         }
-        let prepared = matches!(self.profile.prepared(), Some(Generator::Follow(own)) if own.run.fifo() == fifo1 as u8);
+        let prepared = matches!(self.profile.prepared(), Some(Generator::Follow(own)) if own.run.fifo == fifo1 as u8);
         if prepared && self.begin_prepared(next) {
             (self.published.passes, self.published.fifo, self.published.switching) = (0, fifo1 as u8, false);
             return;
@@ -72,7 +70,7 @@ impl AxisState {
 
     /// At standstill, what FollowStart of a FIFO would begin, with its first piece.
     #[inline(never)]
-    pub(super) fn follow_prepared(&mut self, source: &(impl Segments + PvtTables + FollowEntries)) {
+    pub(super) fn follow_prepared(&mut self, source: &(impl MotionData + FollowEntries)) {
         let Some(master) = self.follow.master else { return };
         let fifo = self.follow.is_empty(0) as u8;
         if self.follow.is_empty(fifo) {
@@ -90,7 +88,7 @@ impl AxisState {
 
     /// Whether there is nothing to switch to.
     pub(crate) fn refuses_switch(&self) -> bool {
-        self.follower().is_none_or(|follower| self.follow.is_empty(follower.run.fifo() ^ 1))
+        self.follower().is_none_or(|follower| self.follow.is_empty(follower.run.fifo ^ 1))
     }
 
     /// The other FIFO takes over when the present pass ends.
@@ -168,10 +166,10 @@ impl AxisState {
                 self.driven_path()
             }
             Generator::Follow(own) if self.state.is_own() || is_at_standstill => {
-                if own.track().is_straight() {
+                if own.track.is_straight() {
                     MasterPathKind::Straight
                 } else {
-                    MasterPathKind::Track { along: own.track(), shift }
+                    MasterPathKind::Track { along: &own.track, shift }
                 }
             }
             _ => MasterPathKind::Pieces { before: self.profile.before(now), piece: self.profile.piece(), shift },
@@ -186,7 +184,7 @@ impl AxisState {
             MasterPosition::Planned => {
                 let straight = match self.profile.generator() {
                     _ if self.state == MotionState::Driven => self.goes_straight(),
-                    Generator::Follow(own) if self.state.is_own() => own.track().is_straight(),
+                    Generator::Follow(own) if self.state.is_own() => own.track.is_straight(),
                     _ => follower.knows(self.profile.piece()),
                 };
                 straight.then(|| self.set_point())
@@ -202,16 +200,16 @@ impl AxisState {
         let from = self.published.pos;
         let watched = self.causes.present & status::FAULTS != 0;
         let Some(follower) = self.profile.follower_mut().filter(|_| !watched) else { return false };
-        let begin = follower.run.piece().begin;
+        let begin = follower.run.piece.begin;
         let Some((pos, tau)) = follower.fast_step(to, period, led, from) else { return false };
-        let turned = follower.run.piece().begin != begin;
+        let turned = follower.run.piece.begin != begin;
         if !self.bounds.hold(pos) || pos.0.abs_diff(from.0) > limit {
             return false;
         }
         let moving = follower.run.is_moving(to);
         let published = &mut self.published;
         published.moves = published.moves.wrapping_add(1);
-        (published.pos, published.motion.tau, published.master_displacement) = (pos, tau, follower.displacement());
+        (published.pos, published.motion.tau, published.master_displacement) = (pos, tau, follower.displacement);
         if turned {
             self.publish_run();
             self.publish_lead();
@@ -226,7 +224,7 @@ impl AxisState {
     #[inline(never)]
     pub(crate) fn step_follow(
         &mut self,
-        master_sample: &MasterSample<'_>,
+        master_sample: &MasterSample,
         led: bool,
         limit: u64,
         context: (&impl FollowEntries, impl Fn(Input, u8) -> bool, &mut OutputActions),
@@ -279,8 +277,8 @@ impl AxisState {
         let run = &mut follower.run;
         let emptied = run.take_emptied();
         let published = &mut self.published;
-        published.passes = run.passes();
-        let (fifo, switching, waits) = (run.fifo(), run.is_switching(), run.awaits());
+        published.passes = run.pass;
+        let (fifo, switching, waits) = (run.fifo, run.switching, run.awaits());
         if emptied != 0 || (fifo, switching, waits) != (published.fifo, published.switching, published.waits) {
             (published.fifo, published.switching, published.waits) = (fifo, switching, waits);
             for (fifo, count) in published.cleared.iter_mut().enumerate() {
@@ -297,12 +295,12 @@ impl AxisState {
         let Some(follower) = self.profile.follower_mut() else { return };
         let moving = follower.is_moving();
         let published = &mut self.published;
-        published.master_displacement = follower.displacement();
-        let motion = if moving { follower.run.piece().motion } else { Motion::STANDSTILL };
+        published.master_displacement = follower.displacement;
+        let motion = if moving { follower.run.piece.motion } else { Motion::STANDSTILL };
         published.motion = Motion { tau: published.motion.tau, ..motion };
         let axis = (follower.master.value == MasterPosition::Planned).then_some(follower.master.axis);
         let run = &follower.run;
-        let lead = moving.then_some(Lead { axis, down: run.is_down(), one_way: run.is_one_way() });
+        let lead = moving.then_some(Lead { axis, down: run.down, one_way: run.is_one_way() });
         if lead != published.lead {
             published.lead = lead;
             self.changed();

@@ -65,8 +65,8 @@ state! {
     /// instructions.
     #[derive(Debug)]
     #[repr(C)]
-    pub(super) struct Channel {
-        pub(super) published: LaserView = LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
+    pub(crate) struct Channel {
+        pub(crate) published: LaserView = LaserView { crd_map: CRD_MAP, ..LaserView::BEFORE },
         safety: Safety = Safety::LIVE,
         // Settings.
         law: PowerLaw = PowerLaw::power_on(index, Family::Gus),
@@ -85,7 +85,7 @@ state! {
         /// A cause within the interval shuts off everything.
         ends: bool = false,
         alarms: CrdMask = CrdMask(0),
-        on_time: OnTime = OnTime::ZERO,
+        pub(crate) on_time: OnTime = OnTime::ZERO,
         /// Light planned in the interval in force until the next tick, ns.
         planned: u32 = 0,
         // Derived from these.
@@ -389,12 +389,6 @@ impl Channel {
         self.law.end_follow(crds);
         self.changed |= changed::CHANGED;
         self.report_follow(at, followed);
-    }
-
-    /// It was on for this many units more: see [`crate::tick::Tick::advance_fifo_counters`].
-    #[cfg(feature = "test-hooks")]
-    pub(super) fn advance_on_time(&mut self, units: u32) {
-        self.on_time.advance_counters(units);
     }
 
     /// The coordinate systems with an alarm now.

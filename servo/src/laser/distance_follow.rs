@@ -35,6 +35,16 @@ pub enum Ratios {
     },
 }
 
+impl Ratios {
+    /// The bank that they are in.
+    pub fn bank(self) -> Option<u8> {
+        match self {
+            Ratios::Fixed => None,
+            Ratios::Lines { bank } | Ratios::Plane { bank, .. } => Some(bank),
+        }
+    }
+}
+
 /// An admitted distance follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distance {
@@ -45,7 +55,7 @@ pub struct Distance {
     /// ratio/scale, with tables 1/scale, in 2^-(`shift` + 22).
     factors: [i64; DISTANCES],
     shift: u8,
-    ratios: Ratios,
+    pub(super) ratios: Ratios,
     pub(super) bounds: Option<PowerBounds>,
 }
 
@@ -83,14 +93,6 @@ impl Distance {
         let factors = reals.map(|real| real.to_fixed(shift + 22) as i64);
         let reference = reference.map(|pulses| Pos::pulses(pulses).0);
         Ok(Distance { source, axes, reference, factors, shift: shift as u8, ratios: from, bounds })
-    }
-
-    /// The bank that it reads.
-    pub(super) fn bank(&self) -> Option<u8> {
-        match self.ratios {
-            Ratios::Fixed => None,
-            Ratios::Lines { bank } | Ratios::Plane { bank, .. } => Some(bank),
-        }
     }
 
     /// Its form for the tick, if the ratios are fixed.
@@ -153,7 +155,7 @@ impl Distance {
                 }
             }
         }
-        let bank = self.bank().unwrap_or(0);
+        let bank = self.ratios.bank().unwrap_or(0);
         let mut sum = 0i128;
         let axes = positions.iter().zip(self.reference).zip(self.factors.iter().zip(ratios));
         for (axis, ((x, reference), (factor, ratio))) in (0..).zip(axes) {
@@ -242,7 +244,7 @@ pub(super) struct FixedRatioSum {
     /// The sum is to be computed afresh.
     fresh: bool,
     sum: i128,
-    power: i64,
+    pub(super) power: i64,
 }
 
 impl FixedRatioSum {
@@ -255,12 +257,6 @@ impl FixedRatioSum {
         sum: 0,
         power: 0,
     };
-
-    /// Its part of the power, to the nearest, at the last sample taken.
-    #[inline(always)]
-    pub(super) fn power(&self) -> i64 {
-        self.power
-    }
 
     /// There may be samples that it does not take.
     #[inline(always)]

@@ -35,8 +35,8 @@ impl FilterRate {
 /// The filtered velocities of the coordinates of a path.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EncoderSpeed {
-    /// A channel has followed it.
-    used: bool,
+    /// A channel has followed it: it has to run in every tick.
+    pub(crate) used: bool,
     /// The tick up to which it goes on; in any other tick the velocity is taken as it is.
     next: Ns,
     /// The path begins with that tick.
@@ -69,12 +69,6 @@ impl EncoderSpeed {
     /// The path begins, at standstill, with the tick `next`.
     pub(crate) fn begin(&mut self, next: Ns) {
         (self.next, self.begins, self.velocity) = (next, true, [0; 4]);
-    }
-
-    /// Whether it has to run in every tick.
-    #[inline]
-    pub(crate) fn is_used(&self) -> bool {
-        self.used
     }
 
     /// A tick of `period` has passed at `now`, with these counts of the encoders. `follows`: a

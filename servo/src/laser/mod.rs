@@ -219,7 +219,7 @@ state! {
         plan: LaserPlan = LaserPlan::EMPTY,
         speeds: PathSpeeds = PathSpeeds::STANDSTILL,
         displacements: [Displacements; CHANNELS] = [Displacements::begin(0), Displacements::begin(1)],
-        channels: [Channel; CHANNELS] = [Channel::power_on(0), Channel::power_on(1)],
+        pub(crate) channels: [Channel; CHANNELS] = [Channel::power_on(0), Channel::power_on(1)],
     }
     pub(crate) const fn new(clock: Clock);
 }
@@ -435,22 +435,6 @@ impl Lasers {
             output(index, &self.plan);
         }
         self.speeds.fed = 0;
-    }
-
-    /// Counts of changes rise by this many: see [`crate::tick::Tick::advance_counters`].
-    #[cfg(feature = "test-hooks")]
-    pub(crate) fn advance_counters(&mut self, by: u32) {
-        for channel in &mut self.channels {
-            let LaserView { moves, turns, changes, .. } = &mut channel.published;
-            [moves, turns, changes].into_iter().for_each(|count| *count = count.wrapping_add(by));
-        }
-    }
-
-    /// Every channel was on for this many units more: see
-    /// [`crate::tick::Tick::advance_fifo_counters`].
-    #[cfg(feature = "test-hooks")]
-    pub(crate) fn advance_on_time(&mut self, units: u32) {
-        self.channels.iter_mut().for_each(|channel| channel.advance_on_time(units));
     }
 
     /// Brings the published views up to date.

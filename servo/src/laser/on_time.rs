@@ -10,8 +10,8 @@ const UNIT_NS: u32 = CYCLE_NS;
 
 /// The sum of all light since it was zeroed.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct OnTime {
-    units: u32,
+pub(crate) struct OnTime {
+    pub(crate) units: u32,
     /// Below a unit.
     remainder_ns: u32,
 }
@@ -33,17 +33,5 @@ impl OnTime {
             }
         }
         self.remainder_ns = sum;
-    }
-
-    /// This many units more: see [`crate::tick::Tick::advance_fifo_counters`].
-    #[cfg(feature = "test-hooks")]
-    pub(super) fn advance_counters(&mut self, units: u32) {
-        self.units = self.units.wrapping_add(units);
-    }
-
-    /// Whole units.
-    #[inline]
-    pub(super) fn units(&self) -> u32 {
-        self.units
     }
 }

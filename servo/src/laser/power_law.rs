@@ -108,7 +108,7 @@ state! {
 impl PowerLaw {
     /// The bank of ratios that the distance follow reads.
     pub(super) fn bank(&self) -> Option<u8> {
-        self.distance.and_then(|distance| distance.bank())
+        self.distance.and_then(|distance| distance.ratios.bank())
     }
 
     /// The table of powers that the velocity follow reads.
@@ -222,7 +222,7 @@ impl PowerLaw {
         }
         let added = match &self.distance {
             None => Added::Nothing,
-            Some(distance) if distance.bank().is_none() => Added::FixedRatioSum,
+            Some(distance) if distance.ratios.bank().is_none() => Added::FixedRatioSum,
             Some(_) => Added::Tables,
         };
         if let Some(bounds) = self.distance.as_ref().and_then(|distance| distance.bounds)
@@ -249,7 +249,7 @@ impl PowerLaw {
 
     /// The power in force from the tick that is computed.
     #[inline(always)]
-    pub(super) fn power(&mut self, around: &FollowInputs<'_, impl Positions>) -> Power {
+    pub(super) fn power(&mut self, around: &FollowInputs<impl Positions>) -> Power {
         let PowerSum { base, low, high, part, speed, added, held, .. } = &self.mix;
         if *added == Added::FixedRatioSum {
             self.terms.advance(around.displacements, &self.distance);
@@ -269,7 +269,7 @@ impl PowerLaw {
         }
         let added = match added {
             Added::Nothing => 0,
-            Added::FixedRatioSum => self.terms.power(),
+            Added::FixedRatioSum => self.terms.power,
             Added::Tables => match &self.distance {
                 Some(distance) => {
                     let position = |axis, source| around.position(axis, source);

@@ -296,12 +296,6 @@ impl PowerTables {
     }
 }
 
-impl Default for PowerTables {
-    fn default() -> PowerTables {
-        PowerTables::new()
-    }
-}
-
 /// Slot of an axis's limit.
 fn limit(channel: u8, bank: u8, axis: u8) -> Option<u32> {
     let fits = (channel as usize) < CHANNELS && (bank as usize) < BANKS && (axis as usize) < DISTANCES;

@@ -29,7 +29,7 @@ fn power(x: f64) -> Power {
     Power::admit(x.to_bits()).unwrap()
 }
 fn speed(x: f64) -> PathSpeed {
-    PathSpeed::from_raw((x * (1u64 << 30) as f64) as u64)
+    PathSpeed((x * (1u64 << 30) as f64) as u64)
 }
 fn ratio(x: f64) -> Ratio {
     Ratio::admit(x.to_bits()).unwrap()
@@ -43,7 +43,7 @@ fn the_power_of_a_speed_is_the_nearest_that_there_is() {
     let mut chance = Chance::new(1);
     for _ in 0..20_000 {
         let (r, v) = (chance.log(1e-9, 4e9), chance.next() >> (chance.next() % 64));
-        let got = ratio(r).gain().power(PathSpeed::from_raw(v));
+        let got = ratio(r).gain().power(PathSpeed(v));
         let want = units(exact(r) * fixed(v as i128, 30));
         if want > 2f64.powi(60) {
             assert!(got >= 1 << 60, "{r} · {v}: {got}");
@@ -52,7 +52,7 @@ fn the_power_of_a_speed_is_the_nearest_that_there_is() {
         let off = units(exact(r) * fixed(v as i128, 30) - fixed(got as i128, 44)).abs();
         assert!(off <= 0.5 + want * 2f64.powi(-62), "{r} · {v}: {off}");
     }
-    assert_eq!(ratio(f64::MIN_POSITIVE).gain().power(PathSpeed::from_raw(u64::MAX)), 0);
+    assert_eq!(ratio(f64::MIN_POSITIVE).gain().power(PathSpeed(u64::MAX)), 0);
     assert_eq!(ratio(0.1).gain().power(PathSpeed::STANDSTILL), 0);
 }
 
@@ -259,7 +259,7 @@ fn added(distance: &Distance, tables: &PowerTables, axes: &[AxisState]) -> i64 {
     let speeds = PathSpeeds::STANDSTILL;
     let around =
         FollowInputs { clock: Clock::GHZ, speeds: &speeds, tables, axes, displacements: &Displacements::OF_NOBODY };
-    if distance.bank().is_none() {
+    if distance.ratios.bank().is_none() {
         // The same wherever it was before: further away than one displacement holds, and within
         // one.
         let (mut terms, mut displacements) = (distance.terms(), Displacements::begin(0));
@@ -276,8 +276,8 @@ fn added(distance: &Distance, tables: &PowerTables, axes: &[AxisState]) -> i64 {
         terms.advance(&displacements, &Some(*distance));
         let mut afresh = distance.terms();
         afresh.advance(&displacements, &Some(*distance));
-        assert_eq!(terms.power(), afresh.power());
-        return terms.power();
+        assert_eq!(terms.power, afresh.power);
+        return terms.power;
     }
     distance.tabled(0, |axis, source| around.position(axis, source), tables, &mut [Interval::NONE; DISTANCES])
 }
@@ -298,7 +298,7 @@ fn four_displacements_of_one_length_add_up_with_the_largest_lower_halves_of_fact
         terms.advance(&displacements, &Some(distance));
         let mut afresh = distance.terms();
         afresh.advance(&displacements, &Some(distance));
-        assert_eq!(terms.power(), afresh.power(), "{pulses}");
+        assert_eq!(terms.power, afresh.power, "{pulses}");
     }
 }
 

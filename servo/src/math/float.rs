@@ -60,15 +60,6 @@ impl Float {
         Float::new(x.m < 0, x.m.unsigned_abs(), -(x.e as i32))
     }
 
-    /// As a block float, of numbers that came from one.
-    pub fn to_scaled(self) -> Scaled {
-        let m = (self.m >> 1) as i64;
-        if m == 0 {
-            return Scaled::default();
-        }
-        Scaled { m: if self.neg == 1 { -m } else { m }, e: (-1 - self.e) as i16 }
-    }
-
     /// From a wide magnitude times 2^e, to 64 bits.
     #[inline]
     fn from_wide(neg: bool, x: u128, e: i32) -> Float {

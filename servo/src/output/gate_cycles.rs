@@ -8,8 +8,7 @@
 //! that would begin with its end; the shortest pulse that a command asks for is 1 µs. Gaps are
 //! exact, whatever their length.
 use super::cycles::{LATE_MIN_CYCLES, Lengths, Scale};
-use crate::laser::CHANNELS;
-use crate::laser::{Action, PLAN_ACTIONS};
+use crate::laser::{Action, CHANNELS, PLAN_ACTIONS};
 
 /// The shortest cycle, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
 pub const MIN_COUNTS: u32 = 120;

@@ -9,8 +9,7 @@
 //! only if light or standby is cut within 350 ns of a pulse's beginning and the pulse has ended
 //! before; carriers never come near.
 use super::cycles::{CYCLE_MAX_COUNTS, LATE_MIN_CYCLES, Lengths, Scale};
-use crate::laser::Pattern;
-use crate::laser::{Action, FINISH_NS, PulseRate, Train};
+use crate::laser::{Action, FINISH_NS, Pattern, PulseRate, Train};
 
 /// The end of a period that is paused.
 const NEVER: u64 = u64::MAX;

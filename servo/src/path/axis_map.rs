@@ -7,10 +7,14 @@ use crate::units::{Axis, AxisMask};
 /// An admitted frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AxisMap {
-    axes: [Option<Axis>; DIMENSIONS],
-    origin: Option<[i32; DIMENSIONS]>,
-    even_ms: u16,
-    axis_indices: AxisIndices,
+    /// The axes of X, Y, Z, A.
+    pub(crate) axes: [Option<Axis>; DIMENSIONS],
+    /// The requested origin.
+    pub(crate) origin: Option<[i32; DIMENSIONS]>,
+    /// Least time at constant speed in a motion, ms.
+    pub(crate) even_ms: u16,
+    /// The indices of the axes.
+    pub(crate) axis_indices: AxisIndices,
 }
 
 /// Indices of the axes, [`NONE`] where there is none.
@@ -52,35 +56,9 @@ impl AxisMap {
         Ok(AxisMap { axes, origin, even_ms, axis_indices: AxisIndices(axis_indices) })
     }
 
-    /// The axes of X, Y, Z, A.
-    pub fn axes(&self) -> [Option<Axis>; DIMENSIONS] {
-        self.axes
-    }
-
-    /// The same by reference.
-    #[inline(always)]
-    pub(crate) fn axes_ref(&self) -> &[Option<Axis>; DIMENSIONS] {
-        &self.axes
-    }
-
-    /// Their indices.
-    pub(crate) fn axis_indices(&self) -> AxisIndices {
-        self.axis_indices
-    }
-
     /// The axes as a set.
     pub fn mask(&self) -> AxisMask {
         AxisMask(self.axes.iter().flatten().fold(0, |mask, axis| mask | axis.mask().0))
-    }
-
-    /// The requested origin.
-    pub fn origin(&self) -> Option<[i32; DIMENSIONS]> {
-        self.origin
-    }
-
-    /// Least time at constant speed in a motion, ms.
-    pub fn even_ms(&self) -> u16 {
-        self.even_ms
     }
 }
 

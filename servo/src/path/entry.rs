@@ -173,8 +173,10 @@ impl MotionSpeeds {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sweep {
     turns: u64,
-    long: bool,
-    ccw: bool,
+    /// It is more than half a turn by its long form.
+    pub(super) long: bool,
+    /// Counterclockwise.
+    pub(super) ccw: bool,
 }
 
 impl Sweep {
@@ -200,16 +202,6 @@ impl Sweep {
     pub(super) fn turns(self) -> Float {
         let turns = float(self.turns);
         if self.long { Float::ONE.sub(turns) } else { turns }
-    }
-
-    /// Whether it is more than half a turn by its long form.
-    pub(super) fn is_long(self) -> bool {
-        self.long
-    }
-
-    /// Counterclockwise.
-    pub(super) fn is_ccw(self) -> bool {
-        self.ccw
     }
 }
 

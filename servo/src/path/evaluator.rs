@@ -23,12 +23,11 @@ pub use cursor::GEARS;
 pub use feed_override::FeedOverride;
 pub use interface::{Effects, FifoEnds, PathReport, PathSettings, PathStop, Step, StepReport, TrajectorySample};
 
-use super::DIMENSIONS;
-use super::PathSpeed;
 use super::entry::MotionSpeeds;
 use super::geometry::{Curvature, GearMotion, GeometryStep, MotionGeometry};
 use super::speed_profile::{Phase, SpeedPlan, SpeedPlanDraft};
 use super::store::PathEntries;
+use super::{DIMENSIONS, PathPos, PathSpeed};
 use crate::math::float::Float;
 use crate::segment::piece::{Motion, Piece};
 use crate::units::{Axis, Exact, FineNs, Ns, Pos};
@@ -94,18 +93,19 @@ state! {
         /// The instant up to which all boundaries have been passed, and the speed there.
         time: FineNs = 0,
         speed: Float = Float::ZERO,
-        cursors: [Cursor; 2] = [Cursor::NEW; 2],
+        pub(crate) cursors: [Cursor; 2] = [Cursor::NEW; 2],
         /// The motion in force, and the one after it, made ahead in ticks that have time for it.
         motions: Pair<Prepared> = Pair { at: 0, both: [Prepared::NONE; 2] },
         /// Its position while it does not move.
-        here: [Pos; DIMENSIONS] = ORIGIN,
+        here: PathPos = ORIGIN,
         /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
         pub rules: PathSettings = PathSettings::POWER_ON,
         planning: Planning = Planning { unfinished: false, draft: GeometryStep::Nothing, sketch: SpeedPlanDraft::NONE },
         /// At standstill: the part that is made belongs to a start with this FIFO, as if it began
         /// at 0.
         prepared: Option<u8> = None,
-        trajectory: TrajectorySample = TrajectorySample::NONE,
+        /// The motion up to the last sample.
+        pub(crate) trajectory: TrajectorySample = TrajectorySample::NONE,
         since: TrajectorySample = TrajectorySample::NONE,
     }
     /// At standstill in the origin, FIFOs empty.
@@ -289,7 +289,7 @@ impl WalkBudget {
 
 impl Path {
     /// At standstill here, FIFOs empty (SetCrdPrm).
-    pub fn position(&mut self, at: [Pos; DIMENSIONS]) {
+    pub fn position(&mut self, at: PathPos) {
         // In place, field by field: a path is some kilobytes. The pattern names the fields that
         // stay; they are not read before they are made anew.
         let Path {
@@ -331,24 +331,14 @@ impl Path {
         self.cursor(fifo).clear();
     }
 
-    /// Its FIFOs, which are empty, have executed this many entries and motions more: see
-    /// [`crate::tick::Tick::advance_fifo_counters`].
-    #[cfg(feature = "test-hooks")]
-    pub(crate) fn advance_counters(&mut self, by: u32) {
-        self.discard_prepared();
-        for Cursor { next, done, left_at, .. } in &mut self.cursors {
-            [next, done, left_at].into_iter().for_each(|count| *count = count.wrapping_add(by));
-        }
-    }
-
     /// At standstill, its position gets the name `here`: its axes have other user positions now.
-    pub fn rename(&mut self, here: [Pos; DIMENSIONS]) {
+    pub fn rename(&mut self, here: PathPos) {
         self.discard_prepared();
         (self.here, self.fresh) = (here, true);
     }
 
     /// Its position while it does not move.
-    pub fn here(&self) -> [Pos; DIMENSIONS] {
+    pub fn here(&self) -> PathPos {
         self.here
     }
 
@@ -367,11 +357,6 @@ impl Path {
             self.led = led;
             self.decide_fast_path();
         }
-    }
-
-    /// That motion up to the last sample.
-    pub fn trajectory(&self) -> &TrajectorySample {
-        &self.trajectory
     }
 
     /// Whether it waits.
@@ -494,7 +479,7 @@ impl Path {
         feed: FifoEnds,
         source: &impl PathEntries,
         sink: &mut impl Effects,
-        report: &mut PathReport<'_>,
+        report: &mut PathReport,
         may_prepare: bool,
     ) -> StepReport {
         let now = (next.0 as FineNs) << 32;

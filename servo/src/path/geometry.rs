@@ -8,8 +8,8 @@
 //! its start: S + (cos α − 1)·V ± sin α·V⊥ with α = s/R. Centre and radius follow from both ends
 //! and the sweep θ: R = c/(2·sin(θ/2)) for a chord of length c, and V = −d/2 ∓ d⊥/2·cot(θ/2) for a
 //! chord d. So an arc ends on its target whatever the rounding.
-use super::DIMENSIONS;
 use super::entry::{EntryContent, Plane, Sweep};
+use super::{DIMENSIONS, PathPos};
 use crate::math::float::Float;
 use crate::math::sine::{sin_cos, sinc};
 use crate::math::wide::{mulhi_near, mulhi_su, umulhi};
@@ -117,11 +117,11 @@ pub(super) enum GeometryStep {
 /// The geometry of one motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MotionGeometry {
-    /// Where it starts and ends.
-    start: [Pos; DIMENSIONS],
-    end: [Pos; DIMENSIONS],
+    /// Where it starts, and where it ends, exactly.
+    pub(super) start: PathPos,
+    pub(super) end: PathPos,
     /// Pulses.
-    length: Float,
+    pub(super) length: Float,
     geometry: ShapeKind,
 }
 
@@ -149,12 +149,7 @@ impl MotionGeometry {
     /// Sets where it starts and ends, and what is to be made next. `exact` replaces the target of a
     /// line that does not start there, where it is the pulse nearest to it.
     #[inline(always)]
-    pub(super) fn begin(
-        &mut self,
-        start: [Pos; DIMENSIONS],
-        item: &EntryContent,
-        exact: Option<[Pos; DIMENSIONS]>,
-    ) -> GeometryStep {
+    pub(super) fn begin(&mut self, start: PathPos, item: &EntryContent, exact: Option<PathPos>) -> GeometryStep {
         (self.start, self.end, self.length) = (start, start, Float::ZERO);
         match *item {
             EntryContent::Line { to, dimensions, .. } => {
@@ -162,7 +157,7 @@ impl MotionGeometry {
                 for (end, to) in end.iter_mut().zip(to).take(dimensions) {
                     *end = Pos::pulses(to);
                 }
-                let back = |exact: &[Pos; DIMENSIONS]| exact.map(whole) == end.map(whole) && *exact != start;
+                let back = |exact: &PathPos| exact.map(whole) == end.map(whole) && *exact != start;
                 self.end = exact.filter(back).unwrap_or(end);
                 GeometryStep::Line
             }
@@ -251,30 +246,14 @@ impl MotionGeometry {
         let turns = sweep.turns();
         self.length = radius.mul(Float::TAU).mul(turns);
         // Left of the chord for a short counterclockwise arc.
-        let right = sweep.is_ccw() == sweep.is_long();
+        let right = sweep.ccw == sweep.long;
         let tilt = if right { cot.negate() } else { cot };
         let vector = [half(b).mul(tilt).sub(half(a)).to_i64(30), half(a).mul(tilt).add(half(b)).negate().to_i64(30)];
-        GeometryStep::Cycle { plane, ccw: sweep.is_ccw(), vector, radius, turns }
-    }
-
-    /// Its length in pulses.
-    pub(super) fn length(&self) -> Float {
-        self.length
-    }
-
-    /// Where it starts.
-    pub(super) fn start(&self) -> &[Pos; DIMENSIONS] {
-        &self.start
-    }
-
-    /// Where it ends, exactly.
-    #[inline(always)]
-    pub(super) fn end(&self) -> &[Pos; DIMENSIONS] {
-        &self.end
+        GeometryStep::Cycle { plane, ccw: sweep.ccw, vector, radius, turns }
     }
 
     /// Two corners of a box that holds it, with a pulse to spare.
-    pub(super) fn hull(&self) -> [[Pos; DIMENSIONS]; 2] {
+    pub(super) fn hull(&self) -> [PathPos; 2] {
         let [mut low, mut high] = [self.start, self.start];
         for ((low, high), end) in low.iter_mut().zip(&mut high).zip(&self.end) {
             (*low, *high) = ((*low).min(*end), (*high).max(*end));
@@ -301,12 +280,7 @@ impl MotionGeometry {
 
     /// Publishes what of its position, direction and bend is constant along it.
     #[inline(always)]
-    pub(super) fn publish(
-        &self,
-        position: &mut [Pos; DIMENSIONS],
-        heading: &mut [i32; DIMENSIONS],
-        bend: &mut Curvature,
-    ) {
+    pub(super) fn publish(&self, position: &mut PathPos, heading: &mut [i32; DIMENSIONS], bend: &mut Curvature) {
         if let ShapeKind::Line { heading: straight, .. } = &self.geometry {
             // A step publishes at least two coordinates of the position in any case.
             let ([_, _, z, a], [_, _, z0, a0]) = (position, &self.start);
@@ -323,7 +297,7 @@ impl MotionGeometry {
     /// The position at `distance` along it, within 2⁻²¹ pulse, and the direction there, a unit
     /// vector in 2⁻³⁰, into what has been published.
     #[inline(always)]
-    pub(super) fn follow(&self, distance: Pos, position: &mut [Pos; DIMENSIONS], heading: &mut [i32; DIMENSIONS]) {
+    pub(super) fn follow(&self, distance: Pos, position: &mut PathPos, heading: &mut [i32; DIMENSIONS]) {
         match &self.geometry {
             ShapeKind::Line { unit, coordinates, .. } => {
                 // In 2^-25, below 2^59: times 2^-61, over 2^64, it is a position; the bias adds the
@@ -394,7 +368,7 @@ impl MotionGeometry {
     }
 
     /// The position at `distance` along it.
-    pub(super) fn at(&self, distance: Pos) -> [Pos; DIMENSIONS] {
+    pub(super) fn at(&self, distance: Pos) -> PathPos {
         let mut position = self.start;
         self.follow(distance, &mut position, &mut [0; DIMENSIONS]);
         position
@@ -419,8 +393,8 @@ fn product(a: u32, b: u32) -> u64 {
     a as u64 * b as u64
 }
 
-fn difference(start: &[Pos; DIMENSIONS], end: &[Pos; DIMENSIONS], i: usize) -> i64 {
-    let of = |position: &[Pos; DIMENSIONS]| position.get(i).copied().unwrap_or_default().0;
+fn difference(start: &PathPos, end: &PathPos, i: usize) -> i64 {
+    let of = |position: &PathPos| position.get(i).copied().unwrap_or_default().0;
     of(end).wrapping_sub(of(start))
 }
 

@@ -9,7 +9,7 @@ use crate::units::{Exact, Ns};
 
 /// |path velocity| in 2⁻³⁰ pulse/ms; the largest is 2³⁴.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct PathSpeed(u64);
+pub struct PathSpeed(pub(crate) u64);
 
 impl PathSpeed {
     /// Fraction bits.
@@ -22,11 +22,6 @@ impl PathSpeed {
     /// In units of 2⁻³⁰ pulse/ms.
     pub const fn raw(self) -> u64 {
         self.0
-    }
-
-    /// From units of 2⁻³⁰ pulse/ms.
-    pub const fn from_raw(raw: u64) -> PathSpeed {
-        PathSpeed(raw)
     }
 
     /// The speed in the middle of the interval of `period` from the present position in the motion

@@ -75,12 +75,6 @@ impl EntryStore {
     }
 }
 
-impl Default for EntryStore {
-    fn default() -> Self {
-        EntryStore::new()
-    }
-}
-
 /// Both FIFOs of a coordinate system.
 impl PathEntries for [EntryStore; 2] {
     #[inline]

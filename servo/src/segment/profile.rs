@@ -11,6 +11,10 @@ use super::pvt::{PvtRun, PvtTables};
 use super::ramp::RampRun;
 use crate::units::{Ns, Pos};
 
+/// What pieces are made from: segments of a FIFO, points of tables.
+pub trait MotionData: Segments + PvtTables {}
+impl<S: Segments + PvtTables> MotionData for S {}
+
 /// What makes the pieces of a motion. There is no heap to box the larger kind on.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, Copy)]
@@ -29,13 +33,7 @@ pub enum Generator {
 impl Generator {
     /// Makes the piece that holds `now`, which is not before the end of the last one made.
     #[inline]
-    fn advance(
-        &mut self,
-        now: Ns,
-        feed: AllowedData,
-        source: &(impl Segments + PvtTables),
-        piece: &mut Piece,
-    ) -> GeneratorState {
+    fn advance(&mut self, now: Ns, feed: AllowedData, source: &impl MotionData, piece: &mut Piece) -> GeneratorState {
         match self {
             Generator::Pt(run) => run.advance(now, feed, source, piece),
             Generator::Pvt(run) => run.advance(now, feed.passes, source, piece),
@@ -121,8 +119,9 @@ pub struct Profile {
     /// Whether the second of them is in force.
     second: bool,
     other: Other,
-    /// The piece made last begins a pass, or belongs to a stream: more is published than the piece.
-    reports_pass: bool,
+    /// The piece made last, or one passed since the turn before, begins a pass or belongs to a
+    /// stream: more is published than the piece.
+    pub(crate) reports_pass: bool,
     generator: Generator,
 }
 
@@ -173,13 +172,6 @@ impl Profile {
         if let Generator::Follow(follower) = &mut self.generator { Some(follower) } else { None }
     }
 
-    /// Whether the piece made last, or one passed since the turn before, begins a pass or belongs
-    /// to a stream.
-    #[inline(always)]
-    pub fn reports_pass(&self) -> bool {
-        self.reports_pass
-    }
-
     /// Whether a piece has been made that is not in force yet.
     #[inline(always)]
     pub fn is_ahead(&self) -> bool {
@@ -222,7 +214,7 @@ impl Profile {
     pub(crate) fn prepare_start(
         &mut self,
         feed: AllowedData,
-        source: &(impl Segments + PvtTables),
+        source: &impl MotionData,
         begin: impl FnOnce(&mut Generator),
     ) {
         begin(&mut self.generator);
@@ -316,7 +308,7 @@ impl Profile {
 
     /// Makes the piece that holds `now`, if it is not made yet; the one in force is over by then.
     #[inline]
-    fn reach(&mut self, now: Ns, feed: AllowedData, source: &(impl Segments + PvtTables)) -> GeneratorState {
+    fn reach(&mut self, now: Ns, feed: AllowedData, source: &impl MotionData) -> GeneratorState {
         let piece = &mut self.pieces[!self.second as usize];
         if self.other == Other::Ahead && piece.elapsed(now) < piece.span {
             return GeneratorState::Running;
@@ -333,12 +325,7 @@ impl Profile {
 
     /// The piece that will be in force at `now`, or how the motion will have ended; nothing
     /// changes.
-    pub fn look(
-        &mut self,
-        now: Ns,
-        feed: AllowedData,
-        source: &(impl Segments + PvtTables),
-    ) -> Result<&Piece, GeneratorState> {
+    pub fn look(&mut self, now: Ns, feed: AllowedData, source: &impl MotionData) -> Result<&Piece, GeneratorState> {
         if self.piece().elapsed(now) < self.piece().span {
             return Ok(self.piece());
         }
@@ -399,7 +386,7 @@ impl Profile {
 
     /// The piece in force is over at `now`: on to the one that holds `now`, or to the end.
     #[inline]
-    pub fn turn(&mut self, now: Ns, feed: AllowedData, source: &(impl Segments + PvtTables)) -> GeneratorState {
+    pub fn turn(&mut self, now: Ns, feed: AllowedData, source: &impl MotionData) -> GeneratorState {
         let begins = self.other == Other::Begins;
         if begins {
             self.enter_first(now, feed, source);
@@ -418,7 +405,7 @@ impl Profile {
 
     /// Makes the first piece of a ramp. If it is over by `now`, it is in force.
     #[inline(never)]
-    fn enter_first(&mut self, now: Ns, feed: AllowedData, source: &(impl Segments + PvtTables)) {
+    fn enter_first(&mut self, now: Ns, feed: AllowedData, source: &impl MotionData) {
         let Generator::Ramp(run) = &self.generator else { return };
         let begin = run.begins();
         let first = &mut self.pieces[!self.second as usize];
@@ -437,7 +424,7 @@ impl Profile {
     /// in one tick. The piece is the same as it would be later. Returns whether there was something
     /// to do.
     #[inline]
-    pub fn prepare(&mut self, feed: AllowedData, source: &(impl Segments + PvtTables)) -> bool {
+    pub fn prepare(&mut self, feed: AllowedData, source: &impl MotionData) -> bool {
         let piece = self.piece();
         let end = Ns(piece.begin.0.wrapping_add(piece.span));
         if self.other != Other::Before || piece.span == 0 {

@@ -28,7 +28,7 @@ impl<const AXES: usize> Tick<AXES> {
         next: Ns,
         period: &mut Ns,
         port: &mut P,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
     ) {
         match entry.command {
             // Other cases have been carried out already.
@@ -170,7 +170,7 @@ impl<const AXES: usize> Tick<AXES> {
             TickCommand::PositionError { axis, limit } => self.one(axis, |state| state.inputs.error_limit = limit),
             TickCommand::Capture { axis, mode } => {
                 self.one(axis, |state| state.arm(mode));
-                self.await_index(axis);
+                self.indexed.0 |= axis.mask().0;
             }
             TickCommand::JogPrm { axis, acc, dec, smooth } => {
                 self.one(axis, |state| state.ramps.jog = Jog { acc, dec, smooth })
@@ -240,7 +240,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// ends the waits for it; the interrupt of that tick samples it for everything else.
     #[inline(never)]
     /// Outputs of a group get the levels of `value` where `mask` is set.
-    fn output(&mut self, group: DoGroup, mask: u64, value: u64, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    fn output(&mut self, group: DoGroup, mask: u64, value: u64, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         match group {
             DoGroup::Enable => {
                 self.servo(AxisMask(mask & value), true, next, hand_overs);
@@ -299,8 +299,8 @@ impl<const AXES: usize> Tick<AXES> {
     fn sourced(
         &mut self,
         axes: AxisMask,
-        hand_overs: &HandOvers<'_, '_, AXES>,
-        mut visit: impl FnMut(&mut AxisState, &MotionSource<'_>),
+        hand_overs: &HandOvers<AXES>,
+        mut visit: impl FnMut(&mut AxisState, &MotionSource),
     ) {
         self.each(axes, |axis, state| {
             if let Some(source) = hand_overs.source(axis) {
@@ -321,18 +321,12 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Axes brake with their stop decelerations.
-    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, hand_overs: &HandOvers<'_, '_, AXES>) {
+    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, hand_overs: &HandOvers<AXES>) {
         self.sourced(axes, hand_overs, |state, source| state.stop_smooth(next, reason, source));
     }
 
     /// Motion brakes: coordinate systems along their paths, axes with their stop decelerations.
-    pub(crate) fn brake(
-        &mut self,
-        which: Brake,
-        reason: StopReason,
-        next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
-    ) {
+    pub(crate) fn brake(&mut self, which: Brake, reason: StopReason, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         let all = self.in_use(AxisMask(u64::MAX));
         let axes = match which {
             Brake::None => return,
@@ -373,13 +367,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Stops axes at their present positions, and the paths that drive them.
-    pub(crate) fn halt(
-        &mut self,
-        axes: AxisMask,
-        reason: StopReason,
-        next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
-    ) {
+    pub(crate) fn halt(&mut self, axes: AxisMask, reason: StopReason, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         self.stop_crds(self.drivers(axes), Halt::Abrupt, reason, next, hand_overs);
         for axis in self.in_use(axes).axes() {
             if let Some(state) = self.axes.get_mut(axis.index())
@@ -392,7 +380,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
     }
 
-    pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn servo(&mut self, axes: AxisMask, on: bool, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         if !on {
             self.darken(axes);
             self.halt(axes, StopReason::ServoOff, next, hand_overs);
@@ -405,7 +393,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// reported.
     #[cold]
     #[inline(never)]
-    fn report_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    fn report_void(&mut self, (lane, seq): (Lane, u32), axis: Axis, hand_overs: &mut HandOvers<AXES>) {
         let status = self.axes.get(axis.index()).map_or(0, AxisState::status);
         report_event(hand_overs.events, &mut self.events_lost, Event::Refused { lane, seq, axis, status });
     }
@@ -416,7 +404,7 @@ impl<const AXES: usize> Tick<AXES> {
         lane: Lane,
         seq: u32,
         axes: AxisMask,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
         forbids: impl Fn(Axis, &AxisState) -> bool,
     ) -> bool {
         let mut states = self.in_use(axes).axes().filter_map(|axis| Some((axis, self.axes.get(axis.index())?)));

@@ -1,15 +1,16 @@
 //! What a step of the tick reaches beyond its own state: rings it writes, stores it reads.
 use crate::path::PathStores;
 use crate::tables::TableStores;
-use crate::tick::{EVENTS, MotionSource, SegmentStore, TRACE_SAMPLES, TickHalves};
+use crate::tick::{EVENTS, MotionSource, SegmentStore, TickHalves};
+use crate::trace::TraceSamples;
 use crate::units::Axis;
-use crate::view::{Event, Sample};
+use crate::view::Event;
 use ring::Producer;
 
 /// What tick commands reach beyond the tick's own state.
 pub(crate) struct HandOvers<'r, 'a, const AXES: usize> {
     pub(crate) events: &'r mut Producer<'a, Event, EVENTS>,
-    pub(crate) samples: &'r mut Producer<'a, Sample, TRACE_SAMPLES>,
+    pub(crate) samples: &'r mut TraceSamples<'a>,
     pub(crate) segments: &'a [SegmentStore; AXES],
     pub(crate) tables: TableStores<'a>,
     pub(crate) paths: PathStores<'a>,

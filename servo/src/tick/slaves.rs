@@ -55,7 +55,7 @@ fn level(inputs: AxisInputs, input: Input) -> bool {
 impl<const AXES: usize> Tick<AXES> {
     /// Every slave takes its step, after its master.
     #[inline(never)]
-    pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<'_, AXES>) {
+    pub(crate) fn step_slaves(&mut self, next: Ns, port: &mut impl Port, halves: &mut TickHalves<AXES>) {
         let (period, limit) = (self.period, self.step_limit);
         let mut all_follow = true;
         // A shaped segment is three pieces of one slave: more than other axes enter in the same
@@ -105,7 +105,7 @@ impl<const AXES: usize> Tick<AXES> {
         next: Ns,
         switched: &mut Switched,
         port: &mut impl Port,
-        halves: &mut TickHalves<'_, AXES>,
+        halves: &mut TickHalves<AXES>,
     ) -> bool {
         let (now, period, limit, index) = (self.now, self.period, self.step_limit, axis.index());
         let led = self.order.leaders.has(axis);
@@ -161,7 +161,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// Entries have switched servos on or off.
     #[inline(never)]
-    pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, halves: &mut TickHalves<'_, AXES>) {
+    pub(crate) fn switch_servos(&mut self, switched: Switched, next: Ns, halves: &mut TickHalves<AXES>) {
         let TickHalves { events, samples, segments, tables, paths, view, .. } = halves;
         let mut reach = HandOvers { events, samples, segments, tables: *tables, paths: *paths };
         self.servo(AxisMask(switched.on), true, next, &mut reach);

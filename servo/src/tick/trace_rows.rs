@@ -3,16 +3,14 @@
 //! In: axes, coordinate systems and lasers in the present state. Out: trace samples. Owns nothing.
 //! Fails: samples that a full ring refuses are counted.
 use super::Tick;
-use crate::capacity::TRACE_SAMPLES;
-use crate::trace::Chosen;
+use crate::trace::{Chosen, TraceSamples};
 use crate::units::{Axis, Crd};
 use crate::view::{AxisSpeeds, LaserView, Sample, Traced};
-use ring::Producer;
 
 impl<const AXES: usize> Tick<AXES> {
     /// One row of the trace, of axes, coordinate systems and lasers in the present state.
     #[inline(never)]
-    pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut Producer<'_, Sample, TRACE_SAMPLES>) {
+    pub(crate) fn emit(&mut self, row: u32, chosen: Chosen, samples: &mut TraceSamples) {
         if row == 0 {
             self.trace.record_outputs_carried(self.general, samples);
         }
@@ -56,7 +54,7 @@ impl<const AXES: usize> Tick<AXES> {
         channel: u8,
         value: i16,
         tables: &crate::laser::PowerTables,
-        samples: &mut Producer<'_, Sample, TRACE_SAMPLES>,
+        samples: &mut TraceSamples,
     ) {
         tables.set_analog(channel, value);
         self.trace.record_analog(0, channel, value, samples);

@@ -172,11 +172,11 @@ impl<const AXES: usize> Tick<AXES> {
     /// not, its instant goes on in the next tick; in this one a start or two may be prepared.
     pub(crate) fn admits(
         &mut self,
-        program: &Consumer<'_, LaneEntry, PROGRAM_ENTRIES>,
+        program: &Consumer<LaneEntry, PROGRAM_ENTRIES>,
         entry: &LaneEntry,
         instant: Ns,
         budget: &mut TickBudget,
-        hand_overs: &HandOvers<'_, '_, AXES>,
+        hand_overs: &HandOvers<AXES>,
     ) -> bool {
         if budget.acting == Some(instant) {
             return true;
@@ -203,9 +203,9 @@ impl<const AXES: usize> Tick<AXES> {
     #[inline(never)]
     fn prepare(
         &mut self,
-        program: &Consumer<'_, LaneEntry, PROGRAM_ENTRIES>,
+        program: &Consumer<LaneEntry, PROGRAM_ENTRIES>,
         budget: &mut TickBudget,
-        hand_overs: &HandOvers<'_, '_, AXES>,
+        hand_overs: &HandOvers<AXES>,
     ) -> bool {
         let mut prepared = false;
         for entry in neighbours(program) {
@@ -242,7 +242,7 @@ impl<const AXES: usize> Tick<AXES> {
         axes: AxisMask,
         next: Ns,
         budget: &mut TickBudget,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
     ) -> bool {
         if self.resetting == 0 {
             self.supervision = Supervision::DEFAULT;
@@ -270,7 +270,7 @@ impl<const AXES: usize> Tick<AXES> {
 }
 
 /// The entries of the instant in force, from the first one in the ring on.
-fn neighbours<'p>(program: &'p Consumer<'_, LaneEntry, PROGRAM_ENTRIES>) -> impl Iterator<Item = &'p LaneEntry> {
+fn neighbours<'p>(program: &'p Consumer<LaneEntry, PROGRAM_ENTRIES>) -> impl Iterator<Item = &'p LaneEntry> {
     let entries = (0..PROGRAM_ENTRIES as u32).map_while(|before| Some((before, program.peek_at(before)?)));
     let of_it = |(before, entry): &(u32, &LaneEntry)| {
         *before == 0

@@ -1,7 +1,7 @@
 //! What the tick publishes of a coordinate system.
 use super::StopReason;
 use crate::path::axis_map::AxisMap;
-use crate::path::{Curvature, DIMENSIONS, PathStop};
+use crate::path::{Curvature, DIMENSIONS, PathPos, PathStop};
 use crate::segment::piece::{Motion, Scaled};
 use crate::units::{Crd, Pos};
 
@@ -18,7 +18,7 @@ state! {
         /// `released` and `done`.
         pub turns: u32 = 0,
         /// Coordinates: the planned positions of its axes less the origin.
-        pub position: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS],
+        pub position: PathPos = [Pos(0); DIMENSIONS],
         /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
         pub heading: [i32; DIMENSIONS] = [0; DIMENSIONS],
         /// How the direction turns.
@@ -41,7 +41,7 @@ state! {
         /// The axes that it drives, and its zero; none before SetCrdPrm.
         pub frame: Option<AxisMap> = None,
         /// The planned positions of its axes at its zero.
-        pub origin: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS],
+        pub origin: PathPos = [Pos(0); DIMENSIONS],
         /// How the path came to standstill last; `Stopped`: CrdStart goes on with the same FIFO.
         pub path_stop: PathStop = PathStop::Never,
         /// Why.

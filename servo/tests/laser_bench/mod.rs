@@ -355,7 +355,7 @@ impl Bench {
             outputs: Default::default(),
             runs: clock == Clock::GHZ,
         };
-        let paths: Box<[[EntryStore; 2]; 2]> = Box::default();
+        let paths: Box<[[EntryStore; 2]; 2]> = Box::new([const { [const { EntryStore::new() }; 2] }; 2]);
         let lanes = TickHalves {
             immediate: immediate_out,
             program,

@@ -256,8 +256,8 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "abort: on commands are admitted while everything brakes",
         file: "dispatcher/src/shadow.rs",
-        text: "        view.aborts || self.aborted",
-        broken: "        self.aborted",
+        text: "        view.aborts || is_in_flight(view, self.aborted)",
+        broken: "        is_in_flight(view, self.aborted)",
         test: OWNERS,
     },
 ];

@@ -66,11 +66,8 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode)
     }
     let first = (context.core(r.core.get())? * usize::from(context.configuration.profile.axes_per_core)) as u8;
     let (reference, ratio) = (r.pos.map(|pos| pos.get()), [0.0; DISTANCES]);
-    stage(
-        context,
-        channel,
-        DistanceShadow { first, source, reference, scale, ratio, from: Ratios::Fixed, bounds: None },
-    )?;
+    let shadow = DistanceShadow { first, source, reference, scale, ratio, from: Ratios::Fixed, bounds: None };
+    stage(context, channel, shadow)?;
     Ok(took(context, &scale, taking.limited))
 }
 

@@ -273,12 +273,10 @@ fn hold_frequencies<const AXES: usize>(context: &mut Context<AXES>, channel: u8,
         context.change_with(channel, ChannelChange::Standby(output), entered);
     }
     if shadow.mode == PowerMode::Frequency && (shadow.bounds.max() > highest || shadow.power > highest) {
-        let bounds =
-            PowerBounds::admit(shadow.mode, shadow.bounds.max().min(highest), shadow.bounds.min().min(highest));
-        shadow.bounds = bounds.map_err(none)?;
+        let (max, min) = (shadow.bounds.max().min(highest), shadow.bounds.min().min(highest));
+        shadow.bounds = PowerBounds::admit(shadow.mode, max, min).map_err(none)?;
         shadow.power = shadow.power.min(highest);
-        let (mode, bounds, delayed, power, fixed) =
-            (shadow.mode, shadow.bounds, shadow.delayed, shadow.power, shadow.fixed(clock));
+        let (LaserShadow { mode, bounds, delayed, power, .. }, fixed) = (shadow, shadow.fixed(clock));
         context.change_with(channel, ChannelChange::Direct { power, fixed }, LaserChange::Power(power));
         let entered = LaserChange::Mode { mode, bounds, delayed };
         context.change_with(channel, ChannelChange::Mode { mode, bounds, delayed, fixed }, entered);

@@ -23,8 +23,7 @@ pub mod tables;
 use super::context::{Context, Effect};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::{Answer, Query};
-use crate::shadow;
-use crate::shadow::{LaserChange, LaserShadow, executed};
+use crate::shadow::{LaserChange, LaserShadow, ShadowChange, is_in_flight};
 use core::num::NonZeroU16;
 use power_range::RangeLimiter;
 use protocol::command::{
@@ -77,14 +76,11 @@ impl<const AXES: usize> Context<'_, AXES> {
 
     /// A change of the shadow state alone.
     fn enter(&mut self, channel: u8, entered: LaserChange) {
-        self.stage_with(TickCommand::Mark, shadow::ShadowChange::Laser { channel, change: entered });
+        self.stage_with(TickCommand::Mark, ShadowChange::Laser { channel, change: entered });
     }
 
     fn change_with(&mut self, channel: u8, change: ChannelChange, entered: LaserChange) -> Answer {
-        self.stage_with(
-            TickCommand::Laser { channel, change },
-            shadow::ShadowChange::Laser { channel, change: entered },
-        );
+        self.stage_with(TickCommand::Laser { channel, change }, ShadowChange::Laser { channel, change: entered });
         Answer::Done
     }
 
@@ -95,7 +91,7 @@ impl<const AXES: usize> Context<'_, AXES> {
                 self.change_with(channel, change, entered);
             }
         }
-        self.stage_with(TickCommand::Mark, shadow::ShadowChange::LaserResolution(true));
+        self.stage_with(TickCommand::Mark, ShadowChange::LaserResolution(true));
     }
 
     /// Clearing a status word clears the faults of channels that a crd of one of these axes gates
@@ -162,7 +158,7 @@ fn gate<const AXES: usize>(context: &mut Context<AXES>, channel: u8, on: bool) -
         }
         let (shadow, sampled) = (context.laser(channel), &context.view.lasers[usize::from(channel).min(CHANNELS - 1)]);
         // With a clearing in flight only the tick can know.
-        let clearing = shadow.cleared.is_some_and(|seq| !executed(context.view, seq));
+        let clearing = is_in_flight(context.view, shadow.cleared);
         let refused = Refused::new(Reason::LaserFault).got(channel.into());
         if sampled.fault != Cause::None && !clearing {
             return Err(refused.limits(0.0, f64::from(sampled.fault as u8)));

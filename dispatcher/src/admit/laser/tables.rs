@@ -140,7 +140,7 @@ impl TableUpload {
     }
 
     /// Notes how a chunk was handled.
-    fn keep<T>(&mut self, chunk: &TableChunk<'_, T>, bank: u8, done: Admitted<()>) -> Admitted<()> {
+    fn keep<T>(&mut self, chunk: &TableChunk<T>, bank: u8, done: Admitted<()>) -> Admitted<()> {
         let next = chunk.first.saturating_add(chunk.items.len() as u16);
         let open = (!chunk.is_last()).then_some((next, bank));
         self.state.note(chunk.begin(), done.map(|()| open));

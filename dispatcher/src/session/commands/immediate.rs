@@ -34,7 +34,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
     /// Deals with a record of lane 0.
     pub fn immediate(
         &mut self,
-        program: &mut Program<'_>,
+        program: &mut Program,
         view: &View<AXES>,
         record: &RequestRecord,
         out: &mut ReplyWriter,
@@ -119,7 +119,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 if let (Effect::Took(values), Answer::Took { count, .. }) = (effect, answer) {
                     self.replies.keep(values.into_iter().take(count.into()));
                 }
-                self.admission.apply(effect, self.admission.lane.last());
+                self.admission.apply(effect, self.admission.lane.last);
                 if let Effect::Config = effect {
                     self.config = Some(0);
                     return self.go_on_with_config(view, record);

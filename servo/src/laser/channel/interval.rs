@@ -26,7 +26,7 @@ impl Channel {
         next: Ns,
         period: Ns,
         interlock: bool,
-        around: &FollowInputs<'_, impl Positions>,
+        around: &FollowInputs<impl Positions>,
         plan: &mut LaserPlan,
     ) {
         plan.clear();
@@ -54,7 +54,7 @@ impl Channel {
 
     /// Light goes on, with a power that may differ.
     #[inline(never)]
-    fn follow(&mut self, around: &FollowInputs<'_, impl Positions>, plan: &mut LaserPlan) {
+    fn follow(&mut self, around: &FollowInputs<impl Positions>, plan: &mut LaserPlan) {
         let power = self.law.power(around);
         if power == self.power {
             return;
@@ -73,7 +73,7 @@ impl Channel {
 
     /// The same if more may change than the width of its pulses.
     #[inline(never)]
-    fn retrain_light(&mut self, around: &FollowInputs<'_, impl Positions>, plan: &mut LaserPlan) {
+    fn retrain_light(&mut self, around: &FollowInputs<impl Positions>, plan: &mut LaserPlan) {
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
         if self.train != self.out.train {
             let action = self.go_on();
@@ -92,13 +92,13 @@ impl Channel {
         if self.planned != 0 {
             self.on_time.add(self.planned);
             self.planned = 0;
-            self.published.on_time = self.on_time.units();
+            self.published.on_time = self.on_time.units;
         }
     }
 
     /// Plans an interval in which something may happen.
     #[inline(never)]
-    fn plan(&mut self, next: Ns, end: Ns, around: &FollowInputs<'_, impl Positions>, plan: &mut LaserPlan) {
+    fn plan(&mut self, next: Ns, end: Ns, around: &FollowInputs<impl Positions>, plan: &mut LaserPlan) {
         if self.safety.is_safe() || self.safety.is_dark() && !self.ends {
             return self.stay_dark(end);
         }
@@ -162,7 +162,7 @@ impl Channel {
 
     /// The edges and events within the interval.
     #[inline(never)]
-    fn walk(&mut self, next: Ns, end: Ns, around: &FollowInputs<'_, impl Positions>, plan: &mut LaserPlan) {
+    fn walk(&mut self, next: Ns, end: Ns, around: &FollowInputs<impl Positions>, plan: &mut LaserPlan) {
         let mut left = EVENTS;
         while self.next_edge < end {
             self.changed |= changed::MOVED;
@@ -224,7 +224,7 @@ impl Channel {
 
     /// The power in force, and its train.
     #[inline(never)]
-    fn find_power(&mut self, around: &FollowInputs<'_, impl Positions>) {
+    fn find_power(&mut self, around: &FollowInputs<impl Positions>) {
         self.power = self.law.power(around);
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
     }
@@ -341,7 +341,7 @@ impl Channel {
         (published.commanded, published.gate) = (self.owner.is_commanded(), self.gate.level);
         published.owners = self.owner.owners();
         (published.switch, published.light) = (self.out.switch, self.out.light);
-        (published.direct, published.on_time) = (self.law.direct, self.on_time.units());
+        (published.direct, published.on_time) = (self.law.direct, self.on_time.units);
         if changed {
             published.changes = published.changes.wrapping_add(1);
             let Energy { mode, connector, width, carrier, .. } = self.energy;

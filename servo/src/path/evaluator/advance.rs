@@ -9,7 +9,7 @@ use crate::math::float::Float;
 use crate::path::entry::{EntryContent, EntryEffect, PathEntry};
 use crate::path::speed_profile::Phase;
 use crate::path::store::PathEntries;
-use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS};
+use crate::path::{ENDLESS_WAIT_FINE_NS, PathPos};
 use crate::units::{Exact, FineNs, Pos};
 
 impl Path {
@@ -55,7 +55,7 @@ impl Path {
                     if self.motions.now().plan.halts {
                         self.halt(self.time, PathStop::Stopped, feed, sink);
                     } else if !self.admits_end(sink) {
-                        let distance = self.motions.now().shape.length().to_exact();
+                        let distance = self.motions.now().shape.length.to_exact();
                         self.hold(self.time, (self.sampled(self.stand.sampled), distance), sink, feed);
                     } else {
                         self.leave(sink);
@@ -69,25 +69,19 @@ impl Path {
     /// Whether it and its geared axes may be at the end of the motion in force.
     fn admits_end(&self, sink: &mut impl Effects) -> bool {
         let end = |gear: &ActiveGear| Pos::pulses(gear.pulses);
-        sink.admits(self.motions.now().shape.end())
+        sink.admits(&self.motions.now().shape.end)
             && self.gears_of(self.fifo).all(|gear| sink.admits_gear(gear.axis, end(gear)))
     }
 
     /// The same for one boundary, if it only enters what was made ahead. `admits` says whether the
-    /// path may be where the motion in force ends. Returns whether the boundary was passed.
+    /// path may be where the motion in force ends. If the boundary was passed, returns the entries
+    /// and motions of the FIFO in force that are over then. The path length since the last sample
+    /// is kept for a boundary after it only; otherwise it is not needed.
     #[inline(always)]
-    pub fn turn(&mut self, feed: FifoEnds, admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool) -> bool {
-        self.turn_at::<true>(feed, admits).is_some()
-    }
-
-    /// The same; returns the entries and motions of the FIFO in force that are over then. The path
-    /// length since the last sample is kept for a boundary after it only; otherwise it is not
-    /// needed.
-    #[inline(always)]
-    pub(crate) fn turn_at<const SWEPT: bool>(
+    pub fn turn_at<const SWEPT: bool>(
         &mut self,
         feed: FifoEnds,
-        admits: impl FnOnce(&[Pos; DIMENSIONS]) -> bool,
+        admits: impl FnOnce(&PathPos) -> bool,
     ) -> Option<[u32; 2]> {
         match self.fast.turn {
             FastPathCase::Motion => {}
@@ -99,7 +93,7 @@ impl Path {
         }
         let (Prepared { shape, plan, .. }, Prepared { open, .. }) = (self.motions.now(), self.motions.next());
         let open = *open;
-        if open.is_some_and(|sampled| sampled != end_of(feed, self.fifo)) || !admits(shape.end()) {
+        if open.is_some_and(|sampled| sampled != end_of(feed, self.fifo)) || !admits(&shape.end) {
             return None;
         }
         // This does what four steps do: the end of a phase, the end of a motion, the change to the
@@ -157,7 +151,7 @@ impl Path {
     #[inline(always)]
     fn close(&mut self) {
         let Prepared { shape, plan, .. } = self.motions.now();
-        let (&here, speed) = (shape.end(), plan.exit);
+        let (here, speed) = (shape.end, plan.exit);
         (self.here, self.speed, self.open) = (here, speed, None);
         let cursor = self.cursor(self.fifo);
         cursor.inside = false;
@@ -244,7 +238,7 @@ impl Path {
                     self.speed = Float::ZERO;
                     return self.wait(self.time.wrapping_add(ENDLESS_WAIT_FINE_NS));
                 }
-                if self.motions.now().shape.length().is_zero() {
+                if self.motions.now().shape.length.is_zero() {
                     let speed = self.speed;
                     self.leave(sink);
                     self.speed = speed;
@@ -259,7 +253,7 @@ impl Path {
     /// length moves none: its whole displacement would be one step.
     #[inline(always)]
     fn gears_go_along(&self, sink: &mut impl Effects) -> bool {
-        let stands = self.motions.now().shape.length().is_zero();
+        let stands = self.motions.now().shape.length.is_zero();
         self.gears_of(self.fifo).all(|gear| sink.goes_along(gear.axis, !stands || gear.pulses == 0))
     }
 
@@ -307,7 +301,7 @@ impl Path {
             item => {
                 self.enter(self.here, counter, item);
                 (self.stand.distance, self.stand.sampled) = (Exact(0), Pos(0));
-                if !self.motions.now().shape.length().is_zero() {
+                if !self.motions.now().shape.length.is_zero() {
                     self.plan_remainder(feed, source);
                 }
                 None
@@ -318,7 +312,7 @@ impl Path {
     /// Comes to standstill within a motion.
     pub(super) fn halt(&mut self, at: FineNs, path_stop: PathStop, feed: FifoEnds, sink: &mut impl Effects) {
         let (distance, shape) = (self.stand.distance, &self.motions.now().shape);
-        let (here, from) = (shape.at(distance.round()), *shape.start());
+        let (here, from) = (shape.at(distance.round()), shape.start);
         self.here = here;
         let cursor = self.cursor(self.fifo);
         (cursor.distance, cursor.from) = (distance, from);

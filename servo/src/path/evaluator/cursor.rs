@@ -1,6 +1,6 @@
 //! The position of a path in one FIFO, and the axes geared to its motion.
-use crate::path::DIMENSIONS;
 use crate::path::geometry::GearMotion;
+use crate::path::{DIMENSIONS, PathPos};
 use crate::units::{Axis, Exact, FineNs, Pos};
 
 /// Axes geared to one motion.
@@ -17,18 +17,18 @@ pub(super) struct ActiveGear {
 state! {
     /// The position in one FIFO.
     #[derive(Debug, Clone, Copy)]
-    pub(super) struct Cursor {
+    pub(crate) struct Cursor {
         /// Counter of the next entry.
-        pub(super) next: u32 = 0,
+        pub(crate) next: u32 = 0,
         /// Motions completed.
-        pub(super) done: u32 = 0,
+        pub(crate) done: u32 = 0,
         /// The motion before `next`, or the move that is waited for, is not over.
         pub(super) inside: bool = false,
         /// It was interrupted with something to do, at `position`.
         pub(super) kept: bool = false,
-        pub(super) position: [Pos; DIMENSIONS] = ORIGIN,
+        pub(super) position: PathPos = ORIGIN,
         /// Of that motion: where it began, and the path length so far.
-        pub(super) from: [Pos; DIMENSIONS] = ORIGIN,
+        pub(super) from: PathPos = ORIGIN,
         pub(super) distance: Exact = Exact(0),
         /// The remainder of a wait.
         pub(super) left: FineNs = 0,
@@ -39,7 +39,7 @@ state! {
         pub(super) again: bool = false,
         pub(super) reported: u32 = 0,
         /// Motions before this entry have been left: what was geared to them has gone along.
-        pub(super) left_at: u32 = 0,
+        pub(crate) left_at: u32 = 0,
     }
     pub(super) const NEW;
 }
@@ -50,7 +50,7 @@ pub(super) struct SampledPosition {
     pub(super) next: u32,
     pub(super) done: u32,
     pub(super) inside: bool,
-    pub(super) from: [Pos; DIMENSIONS],
+    pub(super) from: PathPos,
     pub(super) distance: Pos,
 }
 
@@ -60,7 +60,7 @@ impl SampledPosition {
 }
 
 const NO_GEAR: ActiveGear = ActiveGear { axis: Axis::FIRST, pulses: 0, along: GearMotion::NONE };
-pub(super) const ORIGIN: [Pos; DIMENSIONS] = [Pos(0); DIMENSIONS];
+pub(super) const ORIGIN: PathPos = [Pos(0); DIMENSIONS];
 
 impl Cursor {
     /// Entries that are over.

@@ -4,8 +4,7 @@
 //! whether the end of the phase in force only changes an index. Owns nothing beyond the [`Path`].
 //! Cannot fail.
 use super::{MotionPosition, Path, PathStage, Preparation, Prepared};
-use crate::path::DIMENSIONS;
-use crate::units::Pos;
+use crate::path::PathPos;
 
 /// What happens at the end of the phase in force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +30,7 @@ impl Path {
     }
 
     /// Two corners of a box that holds the motion in force, or the one that is `ahead`.
-    pub(crate) fn hull(&self, ahead: bool) -> [[Pos; DIMENSIONS]; 2] {
+    pub(crate) fn hull(&self, ahead: bool) -> [PathPos; 2] {
         if ahead { self.motions.next() } else { self.motions.now() }.shape.hull()
     }
 

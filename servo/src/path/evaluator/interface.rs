@@ -4,9 +4,9 @@
 //! its coordinates between ticks. Owns nothing. Cannot fail.
 use super::ORIGIN;
 use crate::math::float::Float;
-use crate::path::DIMENSIONS;
 use crate::path::entry::EntryEffect;
 use crate::path::geometry::Curvature;
+use crate::path::{DIMENSIONS, PathPos};
 use crate::segment::piece::{Motion, Scaled};
 use crate::segment::ramp::Accel;
 use crate::units::{Axis, FineNs, Pos};
@@ -35,7 +35,7 @@ pub trait Effects {
         true
     }
     /// Whether the path may be at this position; else it comes to standstill before it.
-    fn admits(&mut self, _position: &[Pos; DIMENSIONS]) -> bool {
+    fn admits(&mut self, _position: &PathPos) -> bool {
         true
     }
     /// The same for an axis geared to the motion in force, at this displacement since it began.
@@ -95,7 +95,7 @@ impl PathSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Step {
     /// Coordinates.
-    pub position: [Pos; DIMENSIONS],
+    pub position: PathPos,
     /// Direction of motion, a unit vector in 2⁻³⁰: times the path's velocity it is that of each
     /// coordinate. Zeros where it does not move.
     pub heading: [i32; DIMENSIONS],
@@ -114,7 +114,7 @@ pub struct Step {
 /// Where a path publishes its position; what has not changed is not written again.
 pub struct PathReport<'a> {
     /// Coordinates.
-    pub position: &'a mut [Pos; DIMENSIONS],
+    pub position: &'a mut PathPos,
     /// Direction.
     pub heading: &'a mut [i32; DIMENSIONS],
     /// How it turns.
@@ -144,7 +144,7 @@ pub struct StepReport {
 #[derive(Debug, Clone, Copy)]
 pub struct TrajectorySample {
     /// Boundaries that were passed, with their positions: the first ones and the last one.
-    knots: [(FineNs, [Pos; DIMENSIONS]); KNOTS],
+    knots: [(FineNs, PathPos); KNOTS],
     pub(super) count: u8,
     /// For each coordinate, if it reversed on an arc after the last of them: the share of the time
     /// since, in 2⁻⁶⁴, and the position.
@@ -158,7 +158,7 @@ impl TrajectorySample {
     pub(super) const NONE: TrajectorySample =
         TrajectorySample { knots: [(0, ORIGIN); KNOTS], count: 0, turns: [None; DIMENSIONS] };
 
-    pub(super) fn pass(&mut self, at: FineNs, position: [Pos; DIMENSIONS]) {
+    pub(super) fn pass(&mut self, at: FineNs, position: PathPos) {
         let index = (self.count as usize).min(KNOTS - 1);
         if let Some(knot) = self.knots.get_mut(index) {
             *knot = (at, position);
@@ -167,7 +167,7 @@ impl TrajectorySample {
     }
 
     /// Boundaries in the order of time.
-    pub fn knots(&self) -> &[(FineNs, [Pos; DIMENSIONS])] {
+    pub fn knots(&self) -> &[(FineNs, PathPos)] {
         self.knots.get(..self.count as usize).unwrap_or_default()
     }
 

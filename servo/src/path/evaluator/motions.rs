@@ -5,12 +5,12 @@
 //! the same as one made on its boundary: the same functions of the same numbers.
 use super::{ActiveGear, After, EFFECTS, FifoEnds, Path, PathSettings, PathStage, Preparation, Prepared, end_of};
 use crate::math::float::Float;
-use crate::path::DIMENSIONS;
+use crate::path::PathPos;
 use crate::path::entry::{EntryContent, FixedRamp, MotionSpeeds, PathEntry};
 use crate::path::geometry::GearMotion;
 use crate::path::speed_profile::{MotionLimits, Phase, SpeedPlan, SpeedRule};
 use crate::path::store::PathEntries;
-use crate::units::{Exact, FineNs, Pos};
+use crate::units::{Exact, FineNs};
 
 /// The speeds of a motion.
 fn along_of(item: &EntryContent) -> Option<MotionSpeeds> {
@@ -51,7 +51,7 @@ fn find_motion(
 
 impl Path {
     /// Enters a motion that begins, or began, at `from`.
-    pub(super) fn enter(&mut self, from: [Pos; DIMENSIONS], counter: u32, item: &EntryContent) {
+    pub(super) fn enter(&mut self, from: PathPos, counter: u32, item: &EntryContent) {
         if let Some(along) = along_of(item) {
             let exact = self.exact(self.fifo);
             let made = self.motions.now_mut();
@@ -65,7 +65,7 @@ impl Path {
     }
 
     /// FIFO 1 comes back to where it interrupted FIFO 0, which need not be a whole pulse.
-    fn exact(&self, fifo: u8) -> Option<[Pos; DIMENSIONS]> {
+    fn exact(&self, fifo: u8) -> Option<PathPos> {
         let [first, _] = &self.cursors;
         (fifo != 0 && first.kept).then_some(first.position)
     }
@@ -73,7 +73,7 @@ impl Path {
     /// The motion in force is over, and the one after it comes into force: it begins, or began, at
     /// `from`.
     #[inline(always)]
-    pub(super) fn swap(&mut self, from: [Pos; DIMENSIONS], distance: Exact) {
+    pub(super) fn swap(&mut self, from: PathPos, distance: Exact) {
         self.motions.next_mut().state = Preparation::Nothing;
         self.motions.turn();
         (self.stand.distance, self.stand.sampled) = (distance, distance.round());
@@ -100,7 +100,7 @@ impl Path {
         if self.cursor(self.fifo).geared == 0 {
             return;
         }
-        let inverse = self.motions.now().shape.length().recip();
+        let inverse = self.motions.now().shape.length.recip();
         let cursor = self.cursor(self.fifo);
         for gear in cursor.gears.iter_mut().take(cursor.geared) {
             let ActiveGear { pulses, along, .. } = gear;
@@ -110,13 +110,7 @@ impl Path {
 
     /// Enters the motion that was made ahead, which begins or began at `from`, and makes the
     /// remainder of it.
-    pub(super) fn enter_prepared(
-        &mut self,
-        from: [Pos; DIMENSIONS],
-        distance: Exact,
-        feed: FifoEnds,
-        source: &impl PathEntries,
-    ) {
+    pub(super) fn enter_prepared(&mut self, from: PathPos, distance: Exact, feed: FifoEnds, source: &impl PathEntries) {
         while self.motions.next().state < Preparation::Shaped {
             self.shape_ahead();
         }
@@ -130,7 +124,7 @@ impl Path {
         }
         self.swap(from, distance);
         self.set_gears();
-        if self.motions.now().shape.length().is_zero() {
+        if self.motions.now().shape.length.is_zero() {
             return;
         }
         if planned { self.follow(open) } else { self.plan_remainder(feed, source) }
@@ -154,7 +148,7 @@ impl Path {
             return;
         }
         if self.motions.next().state == Preparation::Nothing {
-            let (fifo, from) = (self.fifo, *self.motions.now().shape.end());
+            let (fifo, from) = (self.fifo, self.motions.now().shape.end);
             let next = self.cursor_of(fifo).next;
             self.begin_ahead(fifo, next, &from, feed, source);
         } else {
@@ -173,14 +167,14 @@ impl Path {
     ) {
         match self.motions.next().state {
             Preparation::Begun => self.shape_ahead(),
-            Preparation::Shaped if self.motions.next().shape.length().is_zero() => {
+            Preparation::Shaped if self.motions.next().shape.length.is_zero() => {
                 let ahead = self.motions.next_mut();
                 (ahead.plan, ahead.state) = (SpeedPlan::NONE, Preparation::Ready);
             }
             Preparation::Shaped => {
                 let Prepared { counter, along, shape, .. } = self.motions.next();
                 let after = self.what_follows(fifo, counter.wrapping_add(1), feed, source);
-                let (means, left) = (self.means(*along, after), shape.length().sub(Float::from_exact(distance)));
+                let (means, left) = (self.means(*along, after), shape.length.sub(Float::from_exact(distance)));
                 self.planning.sketch.begin(speed, left, means);
                 let open = (after == After::Nothing).then_some(end_of(feed, fifo));
                 let ahead = self.motions.next_mut();
@@ -230,7 +224,7 @@ impl Path {
         &mut self,
         fifo: u8,
         counter: u32,
-        from: &[Pos; DIMENSIONS],
+        from: &PathPos,
         feed: FifoEnds,
         source: &impl PathEntries,
     ) {
@@ -244,13 +238,7 @@ impl Path {
     }
 
     #[inline(never)]
-    fn draft_ahead(
-        &mut self,
-        counter: u32,
-        entry: &PathEntry,
-        from: &[Pos; DIMENSIONS],
-        exact: Option<[Pos; DIMENSIONS]>,
-    ) {
+    fn draft_ahead(&mut self, counter: u32, entry: &PathEntry, from: &PathPos, exact: Option<PathPos>) {
         let item = entry.item();
         let Some(along) = along_of(&item) else { return };
         let ahead = self.motions.next_mut();
@@ -300,7 +288,7 @@ impl Path {
     pub(super) fn plan_remainder(&mut self, feed: FifoEnds, source: &impl PathEntries) {
         let after = self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Prepared { along, shape, .. } = self.motions.now();
-        let left = shape.length().sub(Float::from_exact(self.stand.distance));
+        let left = shape.length.sub(Float::from_exact(self.stand.distance));
         // A plan in progress of the motion after it is dropped: that motion will be entered
         // otherwise.
         let means = self.means(*along, after);

@@ -5,16 +5,15 @@
 //! Fails: a position that is not admitted ends the motion before it.
 use super::interface::{Effects, FifoEnds, PathReport, PathStop};
 use super::{PackedPhase, Path, PathStage};
-use crate::path::DIMENSIONS;
-use crate::path::PathSpeed;
 use crate::path::geometry::Curvature;
+use crate::path::{DIMENSIONS, PathPos, PathSpeed};
 use crate::segment::piece::Motion;
 use crate::units::{Exact, FineNs, Ns, Pos};
 
 impl Path {
     /// Samples the position at `next`, which lies in the phase in force. Returns whether it moves.
     #[inline(always)]
-    pub(super) fn look(&mut self, next: Ns, report: &mut PathReport<'_>) -> bool {
+    pub(super) fn look(&mut self, next: Ns, report: &mut PathReport) -> bool {
         if let PathStage::Move = self.stage
             && let Some(phase) = self.motions.now().plan.phase(self.stand.phase)
         {
@@ -46,7 +45,7 @@ impl Path {
     /// Whether it and its geared axes may be at `position`, this path length into the motion in
     /// force.
     #[inline(always)]
-    pub(super) fn admits(&self, position: &[Pos; DIMENSIONS], distance: Exact, sink: &mut impl Effects) -> bool {
+    pub(super) fn admits(&self, position: &PathPos, distance: Exact, sink: &mut impl Effects) -> bool {
         sink.admits(position)
             && self.gears_of(self.fifo).all(|gear| sink.admits_gear(gear.axis, gear.along.at(distance)))
     }
@@ -82,7 +81,7 @@ impl Path {
     /// Publishes position and direction at `next`, in the piece in force; returns the path length
     /// there.
     #[inline(always)]
-    fn publish(&mut self, next: Ns, report: &mut PathReport<'_>) -> Pos {
+    fn publish(&mut self, next: Ns, report: &mut PathReport) -> Pos {
         let PackedPhase { piece, .. } = self.pieces.pair.now();
         let t = piece.fast_time(next).map_or_else(|| piece.held(next), |t| t as u64);
         self.publish_fresh(report);
@@ -92,7 +91,7 @@ impl Path {
     /// Publishes what is constant along the piece in force, if that has not been done yet; returns
     /// whether it did.
     #[inline(always)]
-    pub(crate) fn publish_fresh(&mut self, report: &mut PathReport<'_>) -> bool {
+    pub(crate) fn publish_fresh(&mut self, report: &mut PathReport) -> bool {
         let fresh = self.fresh;
         if fresh {
             self.fresh = false;
@@ -114,7 +113,7 @@ impl Path {
     /// Publishes the rest, at this time since the begin of the piece; returns the path length
     /// there.
     #[inline(always)]
-    pub(crate) fn publish_at(&self, t: u64, report: &mut PathReport<'_>) -> Pos {
+    pub(crate) fn publish_at(&self, t: u64, report: &mut PathReport) -> Pos {
         let PackedPhase { even, piece } = self.pieces.pair.now();
         let distance = if piece.is_fast() {
             // Readers derive the parameter from it.
@@ -137,7 +136,7 @@ impl Path {
     /// where the FIFO had ended, and it has neither geared axes nor slaves. The caller checks
     /// whether the path may be there, and then calls [`Path::pass`].
     #[inline(always)]
-    pub fn fast_step(&mut self, next: Ns, feed: FifoEnds, report: &mut PathReport<'_>) -> Option<Pos> {
+    pub fn fast_step(&mut self, next: Ns, feed: FifoEnds, report: &mut PathReport) -> Option<Pos> {
         if !self.may_step_fast(feed) {
             return None;
         }

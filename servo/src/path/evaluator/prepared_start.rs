@@ -49,7 +49,7 @@ impl Path {
     }
 
     /// The motion with which a start at standstill would begin has changed.
-    pub(super) fn discard_prepared(&mut self) {
+    pub(crate) fn discard_prepared(&mut self) {
         if !self.runs() {
             (self.prepared, self.pieces.follows) = (None, None);
             self.motions.next_mut().state = Preparation::Nothing;

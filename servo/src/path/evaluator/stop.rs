@@ -6,7 +6,7 @@
 use super::cursor::{Cursor, SampledPosition};
 use super::interface::{Effects, FifoEnds, PathStop};
 use super::{Path, PathStage, Preparation};
-use crate::path::DIMENSIONS;
+use crate::path::PathPos;
 use crate::path::store::PathEntries;
 use crate::units::{FineNs, Ns, Pos};
 
@@ -35,7 +35,7 @@ impl Path {
 
     /// Stops at `next` at the `position` of the last sample (SPEC 4). Entries reached since were
     /// carried out. The start that continues makes those of a laser again, and passes the others.
-    pub fn stand_still(&mut self, next: Ns, position: &[Pos; DIMENSIONS], feed: FifoEnds, sink: &mut impl Effects) {
+    pub fn stand_still(&mut self, next: Ns, position: &PathPos, feed: FifoEnds, sink: &mut impl Effects) {
         self.time = (next.0 as FineNs) << 32;
         match self.stage {
             PathStage::Standstill => {}
@@ -49,12 +49,12 @@ impl Path {
     #[inline(always)]
     pub(super) fn keep_past(&mut self, distance: Pos) {
         let Cursor { next, done, inside, .. } = self.cursors[(self.fifo & 1) as usize];
-        self.swept.past = SampledPosition { next, done, inside, from: *self.motions.now().shape.start(), distance };
+        self.swept.past = SampledPosition { next, done, inside, from: self.motions.now().shape.start, distance };
     }
 
     /// Comes to rest at the position of the last sample.
     #[inline(never)]
-    fn fall_back(&mut self, position: &[Pos; DIMENSIONS], feed: FifoEnds, sink: &mut impl Effects) {
+    fn fall_back(&mut self, position: &PathPos, feed: FifoEnds, sink: &mut impl Effects) {
         if self.swept.length.is_none() {
             self.keep_past(self.stand.sampled);
         }

@@ -166,10 +166,11 @@ state! {
     /// A slave that runs.
     #[derive(Debug, Clone, Copy)]
     pub struct FollowRun {
-        /// Over the progress in units of Pos.
-        piece: Piece = Piece::standstill(Ns(0), 0, origin.round()),
+        /// The piece in force, over the progress in units of Pos.
+        pub piece: Piece = Piece::standstill(Ns(0), 0, origin.round()),
         both: bool = setup.direction == Direction::Both,
-        down: bool = if setup.direction == Direction::Both {
+        /// Whether progress is the master's position with its sign changed.
+        pub(crate) down: bool = if setup.direction == Direction::Both {
             setup.fifo(fifo).tail.down
         } else {
             setup.direction == Direction::Down
@@ -178,8 +179,9 @@ state! {
         furthest: i64 = i64::MIN,
         /// The progress of the tick computed last.
         progress: i64 = 0,
-        fifo: u8 = fifo,
-        switching: bool = false,
+        /// The FIFO that runs, and whether the other one takes over at the end of the pass.
+        pub(crate) fifo: u8 = fifo,
+        pub(crate) switching: bool = false,
         /// Set by SwitchNow and for a new ratio, until the tick has been computed.
         now: Option<TickEndAction> = None,
         wait: Wait = Wait::Start,
@@ -187,7 +189,8 @@ state! {
         index: u32 = 0,
         /// Entries before this one are done in the present pass.
         done: u32 = 0,
-        pass: u32 = 0,
+        /// Passes completed before the present one.
+        pub pass: u32 = 0,
         /// Progress, 2⁻⁶⁴ pulse, and slave at the beginning of the present pass.
         began: i128 = 0,
         origin: i128 = origin.0,
@@ -249,21 +252,6 @@ enum Seek {
 }
 
 impl FollowRun {
-    /// Passes completed before the present one.
-    pub fn passes(&self) -> u32 {
-        self.pass
-    }
-
-    /// The FIFO that runs.
-    pub fn fifo(&self) -> u8 {
-        self.fifo
-    }
-
-    /// Whether the other one takes over at the end of the pass.
-    pub fn is_switching(&self) -> bool {
-        self.switching
-    }
-
     /// FIFOs that a switch has emptied since the last call, a bit each.
     pub fn take_emptied(&mut self) -> u8 {
         core::mem::take(&mut self.emptied)
@@ -348,11 +336,6 @@ impl FollowRun {
         if t < self.piece.span { self.piece.at(t) } else { (self.piece.start, 0) }
     }
 
-    /// The piece in force, over the progress in units of Pos.
-    pub fn piece(&self) -> &Piece {
-        &self.piece
-    }
-
     /// Whether the slave moves with a master at `to`: it does not wait, and the master is neither
     /// before the furthest point nor before the start.
     #[inline(always)]
@@ -360,31 +343,26 @@ impl FollowRun {
         self.piece.span != 0 && self.directed(to) == self.progress
     }
 
-    /// Whether progress is the master's position with its sign changed.
-    pub fn is_down(&self) -> bool {
-        self.down
-    }
-
     /// Whether progress backwards has no effect.
     pub fn is_one_way(&self) -> bool {
         !self.both || self.at_floor
     }
 
-    /// The tick after `path.now()`. `named` is the position of the path at which the master's user
+    /// The tick after `path.now`. `named` is the position of the path at which the master's user
     /// position is 0, for PASS.
     pub fn step<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        path: &MasterPath<'_>,
+        path: &MasterPath,
         named: i64,
-        context: &mut FollowContext<'_, S, L>,
+        context: &mut FollowContext<S, L>,
         mut track: Option<&mut PositionTrack>,
     ) -> FollowState {
         let (from, to) = path.ends();
-        let mut end = self.open(path.now(), from, to, context);
+        let mut end = self.open(path.now, from, to, context);
         for section in path.sections() {
             end = end.or_else(|| self.go(section, context, track.as_deref_mut()));
         }
-        end.or_else(|| self.close(path.now(), to, named, context)).unwrap_or(FollowState::Running)
+        end.or_else(|| self.close(path.now, to, named, context)).unwrap_or(FollowState::Running)
     }
 
     /// What it waits for.
@@ -405,7 +383,7 @@ impl FollowRun {
         now: Ns,
         from: Pos,
         to: TimedPosition,
-        context: &mut FollowContext<'_, S, L>,
+        context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
         context.base = (now.0 as FineNs) << 32;
         self.append(context);
@@ -423,8 +401,8 @@ impl FollowRun {
     #[inline(never)]
     pub(super) fn go<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        section: Section<'_>,
-        context: &mut FollowContext<'_, S, L>,
+        section: Section,
+        context: &mut FollowContext<S, L>,
         track: Option<&mut PositionTrack>,
     ) -> Option<FollowState> {
         let before = track.is_some().then_some((self.piece, self.progress, self.down));
@@ -449,7 +427,7 @@ impl FollowRun {
     }
 
     /// Data that was added belongs to the present pass: earlier ones had another length.
-    fn append<L>(&mut self, context: &mut FollowContext<'_, impl FollowEntries, L>) {
+    fn append<L>(&mut self, context: &mut FollowContext<impl FollowEntries, L>) {
         let end = context.setup.fifo(self.fifo).end;
         if end != self.end {
             if self.end != 0 && self.floor.0 != self.pass {
@@ -463,8 +441,8 @@ impl FollowRun {
     /// `section`.
     fn settle<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        section: &Section<'_>,
-        context: &mut FollowContext<'_, S, L>,
+        section: &Section,
+        context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
         if let Some(gear) = self.gear() {
             self.seek_geared(*gear);
@@ -495,8 +473,8 @@ impl FollowRun {
     fn act<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         index: u32,
-        section: &Section<'_>,
-        context: &mut FollowContext<'_, S, L>,
+        section: &Section,
+        context: &mut FollowContext<S, L>,
     ) -> bool {
         let entry = context.source.entry(self.fifo, index);
         let (knot, _) = entry.ends();
@@ -566,7 +544,7 @@ impl FollowRun {
     }
 
     /// The slave is held at the beginning of an entry.
-    fn hold<L>(&mut self, index: u32, context: &FollowContext<'_, impl FollowEntries, L>) {
+    fn hold<L>(&mut self, index: u32, context: &FollowContext<impl FollowEntries, L>) {
         let at = self.knot(index, context);
         self.far |= self.is_far(at.0);
         self.piece = Piece::standstill(Ns(0), 0, at.round());
@@ -574,7 +552,7 @@ impl FollowRun {
     }
 
     /// A delay or a wait is over with the master at `pos`: the next segment begins there.
-    fn resume<L>(&mut self, pos: Pos, context: &FollowContext<'_, impl FollowEntries, L>) {
+    fn resume<L>(&mut self, pos: Pos, context: &FollowContext<impl FollowEntries, L>) {
         self.wait = Wait::No;
         self.progress = self.directed(pos);
         self.furthest = self.progress;

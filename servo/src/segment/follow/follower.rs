@@ -58,35 +58,20 @@ state! {
         last: Option<Pos> = None,
         /// The master's filter.
         filter: Filter = Filter::default(),
-        /// The displacement of the master in this tick.
-        displacement: i64 = 0,
-        /// Its own positions in this tick.
-        track: PositionTrack = PositionTrack::begin(Pos(0)),
+        /// The displacement of the master in this tick, units of Pos.
+        pub(crate) displacement: i64 = 0,
+        /// Its own positions in this tick, if it has slaves.
+        pub(crate) track: PositionTrack = PositionTrack::begin(Pos(0)),
     }
     #[inline(always)]
     pub(crate) fn new(run: FollowRun, master: Master);
 }
 
 impl Follower {
-    /// Its own positions in this tick, if it has slaves.
-    pub(crate) fn track(&self) -> &PositionTrack {
-        &self.track
-    }
-
     /// Whether it moves with its master.
     #[inline(always)]
     pub(crate) fn is_moving(&self) -> bool {
         self.last.is_some_and(|last| self.run.is_moving(last))
-    }
-
-    /// Its own positions in this tick are not those that were planned.
-    pub(crate) fn forget_track(&mut self) {
-        self.track.clear();
-    }
-
-    /// The displacement of its master in this tick, units of Pos.
-    pub(crate) fn displacement(&self) -> i64 {
-        self.displacement
     }
 
     /// Its position with a master at `to`, and the parameter in its piece, if the master moved
@@ -117,10 +102,10 @@ impl Follower {
     #[inline(never)]
     pub(crate) fn step(
         &mut self,
-        master_sample: &MasterSample<'_>,
+        master_sample: &MasterSample,
         led: bool,
         from: Pos,
-        context: &mut FollowContext<'_, impl FollowEntries, impl Fn(Input, u8) -> bool>,
+        context: &mut FollowContext<impl FollowEntries, impl Fn(Input, u8) -> bool>,
     ) -> FollowState {
         let state = self.go_along(master_sample, led, from, context);
         if let FollowState::Ended { at } | FollowState::TimedOut { at } = state {
@@ -132,10 +117,10 @@ impl Follower {
     #[inline(always)]
     fn go_along(
         &mut self,
-        master_sample: &MasterSample<'_>,
+        master_sample: &MasterSample,
         led: bool,
         from: Pos,
-        context: &mut FollowContext<'_, impl FollowEntries, impl Fn(Input, u8) -> bool>,
+        context: &mut FollowContext<impl FollowEntries, impl Fn(Input, u8) -> bool>,
     ) -> FollowState {
         let MasterSample { now, period, .. } = *master_sample;
         let to = if let MasterPathKind::Filtered = master_sample.path {

@@ -33,7 +33,7 @@ pub struct PositionTrack {
 #[derive(Debug, Clone, Copy)]
 pub struct MasterPath<'a> {
     /// The tick in force.
-    now: Ns,
+    pub(super) now: Ns,
     track: PositionTrack,
     /// The piece along which it comes to each position: 0 a straight line, 1 or 2.
     along: [u8; POSITIONS_MAX],
@@ -168,11 +168,6 @@ impl<'a> MasterPath<'a> {
         if let Some(slot) = self.along.get_mut(index) {
             *slot = along;
         }
-    }
-
-    /// The tick in force.
-    pub(super) fn now(&self) -> Ns {
-        self.now
     }
 
     /// The master's position at the tick in force, and at the next.

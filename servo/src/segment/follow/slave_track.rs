@@ -14,7 +14,7 @@ pub(super) fn record(
     (old, before): (&Piece, i64),
     (piece, progress): (&Piece, i64),
     down: bool,
-    section: &Section<'_>,
+    section: &Section,
     track: &mut PositionTrack,
 ) {
     let (from, to) = (section.from, section.to);

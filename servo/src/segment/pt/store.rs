@@ -42,12 +42,6 @@ impl SegmentStore {
     }
 }
 
-impl Default for SegmentStore {
-    fn default() -> Self {
-        SegmentStore::new()
-    }
-}
-
 impl Segments for SegmentStore {
     #[inline]
     fn segment(&self, slot: u32) -> Segment {

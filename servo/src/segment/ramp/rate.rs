@@ -54,11 +54,6 @@ impl Speed {
         decode(bits, limit).map(|value| Speed(Float::from_scaled(value)))
     }
 
-    /// The number, pulse/ms.
-    pub fn value(self) -> Scaled {
-        self.0.to_scaled()
-    }
-
     /// −1, 0 or 1.
     pub(crate) fn signum(self) -> i64 {
         if self.0.is_zero() {
@@ -70,7 +65,8 @@ impl Speed {
         }
     }
 
-    pub(super) fn real(self) -> Float {
+    /// The number, pulse/ms.
+    pub fn real(self) -> Float {
         self.0
     }
 }
@@ -95,18 +91,13 @@ impl Accel {
     }
 
     /// The number, pulse/ms².
-    pub fn value(self) -> Scaled {
-        self.0.value.to_scaled()
-    }
-
-    /// The same, as planners take it.
-    pub(crate) fn magnitude(self) -> Float {
+    pub fn magnitude(self) -> Float {
         self.0.value
     }
 
     /// Its reciprocal, ms²/pulse, to 2⁻⁶⁰ of itself.
-    pub fn reciprocal(self) -> Scaled {
-        self.0.inverse.to_scaled()
+    pub fn reciprocal(self) -> Float {
+        self.0.inverse
     }
 
     /// Whether it was never set.

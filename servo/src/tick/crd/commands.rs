@@ -6,7 +6,7 @@
 use super::effects::PathEffects;
 use super::{AxisIndices, AxisMap, Clearance, CrdState, PREPARE_AFTER_SCANS};
 use crate::laser::{Cause, EncoderSpeed, FilterRate, PathRun};
-use crate::path::{DIMENSIONS, EntryStore, FifoEnds, Path, PathSettings, PathStores};
+use crate::path::{DIMENSIONS, EntryStore, FifoEnds, Path, PathPos, PathSettings, PathStores};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::Accel;
 use crate::status;
@@ -48,7 +48,7 @@ pub(crate) enum Halt {
 
 impl<const AXES: usize> Tick<AXES> {
     /// SetCrdPrm, at standstill.
-    pub(crate) fn set_frame(&mut self, crd: Crd, frame: AxisMap, next: Ns, paths: PathStores<'_>) {
+    pub(crate) fn set_frame(&mut self, crd: Crd, frame: AxisMap, next: Ns, paths: PathStores) {
         let axes = frame.mask();
         let known = paths.get(crd.index()).is_some() && axes.0 & !self.in_use(axes).0 == 0;
         let moving =
@@ -65,18 +65,18 @@ impl<const AXES: usize> Tick<AXES> {
                 state.map(crd);
             }
         }
-        let mut origin = frame.origin().unwrap_or_default().map(Pos::pulses);
-        if frame.origin().is_none() {
-            for (origin, axis) in origin.iter_mut().zip(frame.axes()) {
+        let mut origin = frame.origin.unwrap_or_default().map(Pos::pulses);
+        if frame.origin.is_none() {
+            for (origin, axis) in origin.iter_mut().zip(frame.axes) {
                 *origin = axis.and_then(|axis| self.axes.get(axis.index())).map_or(Pos(0), |state| state.published.pos);
             }
         }
         if let Some(state) = self.crds.get_mut(crd) {
             state.path.rules = PathSettings::POWER_ON;
-            state.path.rules.set_even(frame.even_ms());
+            state.path.rules.set_even(frame.even_ms);
             state.encoders = EncoderSpeed::POWER_ON;
             (state.published.frame, state.published.origin, state.axis_indices) =
-                (Some(frame), origin, frame.axis_indices());
+                (Some(frame), origin, frame.axis_indices);
         }
         self.rename_crd(crd);
         // Nothing changes for the others, if no axis was theirs.
@@ -135,11 +135,11 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// The position of a coordinate system at the set-points of its axes.
-    fn position_of(&self, crd: Crd) -> [Pos; DIMENSIONS] {
+    fn position_of(&self, crd: Crd) -> PathPos {
         let mut here = [Pos(0); DIMENSIONS];
         let Some(state) = self.crds.get(crd) else { return here };
         let Some(frame) = &state.published.frame else { return here };
-        for ((here, axis), origin) in here.iter_mut().zip(frame.axes_ref()).zip(&state.published.origin) {
+        for ((here, axis), origin) in here.iter_mut().zip(&frame.axes).zip(&state.published.origin) {
             if let Some(axis) = axis.and_then(|axis| self.axes.get(axis.index())) {
                 *here = Pos(axis.published.pos.0.wrapping_sub(origin.0));
             }
@@ -198,7 +198,7 @@ impl<const AXES: usize> Tick<AXES> {
         crds: CrdMask,
         fifo1: CrdMask,
         next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
     ) {
         if let Some(refusal) = crds.crds().find_map(|crd| self.refuses_crd(crd, fifo1.has(crd) as u8, lane, seq)) {
             report_event(hand_overs.events, &mut self.events_lost, refusal);
@@ -219,7 +219,7 @@ impl<const AXES: usize> Tick<AXES> {
             (state.ending, state.published.runs, state.awaited) = (StopReason::StopSmooth, true, None);
             state.mark_changed();
             let frame = state.published.frame;
-            for (index, axis) in frame.iter().flat_map(AxisMap::axes).enumerate() {
+            for (index, axis) in frame.iter().flat_map(|frame| frame.axes).enumerate() {
                 if let Some(axis) = axis.and_then(|axis| self.axes.get_mut(axis.index())) {
                     let base = axis.base();
                     axis.engage(DrivenBy::Coordinate { crd, index: index as u8 }, base);
@@ -244,7 +244,7 @@ impl<const AXES: usize> Tick<AXES> {
         let refused = Some(Event::CrdRefused { lane, seq, crd });
         let Some(state) = self.crds.get(crd) else { return refused };
         let Some(frame) = state.published.frame else { return refused };
-        for axis in frame.axes().into_iter().flatten() {
+        for axis in frame.axes.into_iter().flatten() {
             let Some(axis_state) = self.axes.get(axis.index()) else { return refused };
             if !axis_state.is_mapped(crd) {
                 return refused;
@@ -284,7 +284,7 @@ impl<const AXES: usize> Tick<AXES> {
             state.clearance = [Clearance::Unknown; 2];
             self.crds.alarms.0 &= !crd.mask().0;
             let Some(frame) = &state.published.frame else { continue };
-            for axis in frame.axes_ref().iter().flatten() {
+            for axis in frame.axes.iter().flatten() {
                 let Some(axis) = self.axes.get_mut(axis.index()).filter(|axis| axis.is_mapped(crd)) else { continue };
                 let (causes, fresh) = axis.take_causes();
                 if causes & status::ALARM != 0 {
@@ -333,7 +333,7 @@ impl<const AXES: usize> Tick<AXES> {
         halt: Halt,
         reason: StopReason,
         next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
     ) {
         let running = CrdMask(crds.0 & self.crds.running.0);
         for crd in running.crds() {
@@ -371,8 +371,8 @@ impl<const AXES: usize> Tick<AXES> {
         &mut self,
         crd: Crd,
         next: Ns,
-        hand_overs: &HandOvers<'_, '_, AXES>,
-        act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut PathEffects<'_>),
+        hand_overs: &HandOvers<AXES>,
+        act: impl FnOnce(&mut Path, &mut StopReason, FifoEnds, &[EntryStore; 2], &mut PathEffects),
     ) {
         let step_limit = self.step_limit;
         let Tick { crds, axes, edges, lasers, .. } = self;

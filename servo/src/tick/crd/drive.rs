@@ -5,10 +5,10 @@
 //! must not go on stops, and the reason is latched.
 use super::effects::PathEffects;
 use super::path_soft_limits::is_free;
-use super::{AxisMap, Clearance, CrdState, Halt};
+use super::{Clearance, CrdState, Halt};
 use crate::axis::AxisState;
 use crate::laser::{Cause, FollowedSpeeds, PathSpeed};
-use crate::path::{DIMENSIONS, EntryStore, FifoEnds, PathReport, PathStop};
+use crate::path::{EntryStore, FifoEnds, PathPos, PathReport, PathStop};
 use crate::segment::piece::Scaled;
 use crate::tick::hand_overs::HandOvers;
 use crate::tick::{Tick, report_event};
@@ -111,7 +111,7 @@ impl CrdState {
     fn turn<const AFTER: bool>(&mut self, axes: &[AxisState]) -> Option<[u32; 2]> {
         let (feed, over, [clearance, next]) = (self.feed(), self.path.turns_over(), self.clearance);
         let (axis_indices, origin) = (&self.axis_indices, &self.published.origin);
-        let free = |end: &[Pos; DIMENSIONS]| clearance == Clearance::Wide || is_free(axis_indices, origin, end, axes);
+        let free = |end: &PathPos| clearance == Clearance::Wide || is_free(axis_indices, origin, end, axes);
         let counts = self.path.turn_at::<AFTER>(feed, free)?;
         if over {
             self.clearance = [next, Clearance::Unknown];
@@ -148,7 +148,7 @@ enum StepResult {
 impl<const AXES: usize> Tick<AXES> {
     /// Every coordinate system that runs takes its step.
     #[inline(never)]
-    pub(crate) fn step_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn step_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         let until = Ns(next.0.wrapping_add(self.period.0));
         let (masters, running) = (self.order.masters, self.crds.running);
         let mut wants = self.lasers.wants();
@@ -157,7 +157,7 @@ impl<const AXES: usize> Tick<AXES> {
             let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
             let led = masters.0 != 0 && state.leads(masters);
             let result = if led { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
-            let used = state.encoders.is_used();
+            let used = state.encoders.used;
             // A tick that enters a motion prepares nothing.
             if result != StepResult::Over
                 && let Some(now) = self.finish_step(crd, result, next, hand_overs)
@@ -188,7 +188,7 @@ impl<const AXES: usize> Tick<AXES> {
         crd: Crd,
         result: StepResult,
         next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
+        hand_overs: &mut HandOvers<AXES>,
     ) -> Option<FollowedSpeeds> {
         // If several run, every second one in a tick prepares something.
         let turn = CrdMask(if self.ticks & 1 == 0 { 0x55 } else { 0xaa });
@@ -213,7 +213,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Those whose paths have come to standstill get their state at standstill.
-    pub(crate) fn settle_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    pub(crate) fn settle_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
                 self.walk_crd(crd, next, false, false, hand_overs);
@@ -227,7 +227,7 @@ impl<const AXES: usize> Tick<AXES> {
         let state = self.crds.get(crd)?;
         let axes = |axis: Axis| self.axes.get(axis.index());
         let frame = state.published.frame?;
-        for axis in frame.axes().into_iter().flatten() {
+        for axis in frame.axes.into_iter().flatten() {
             if let Some(reason) = axes(axis).and_then(AxisState::fault) {
                 return Some(reason);
             }
@@ -247,14 +247,7 @@ impl<const AXES: usize> Tick<AXES> {
     /// The full step, which concerns more than the path itself; `there`: the path is at its
     /// position already.
     #[inline(never)]
-    fn walk_crd(
-        &mut self,
-        crd: Crd,
-        next: Ns,
-        there: bool,
-        may_prepare: bool,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
-    ) {
+    fn walk_crd(&mut self, crd: Crd, next: Ns, there: bool, may_prepare: bool, hand_overs: &mut HandOvers<AXES>) {
         let (period, step_limit) = (self.period, self.step_limit);
         let Tick { crds, axes, edges, lasers, .. } = self;
         let (Some(state), Some(source)) = (crds.states.get_mut(crd.index()), hand_overs.paths.get(crd.index())) else {
@@ -286,13 +279,13 @@ impl<const AXES: usize> Tick<AXES> {
         }
         let PathEffects { reported: gone, geared, path_stop, unable, awaited, obstacle, .. } = sink;
         if !there {
-            let axes_at = frame.axes_ref().iter().zip(&published.position).zip(&published.origin);
+            let axes_at = frame.axes.iter().zip(&published.position).zip(&published.origin);
             for (index, ((axis, at), origin)) in axes_at.enumerate() {
                 if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
                     let from = axis.set_point();
                     axis.drive(Pos(at.0.wrapping_add(origin.0)));
                     if led {
-                        axis.publish_displacement((self.now, period), from, state.path.trajectory(), (index, *origin));
+                        axis.publish_displacement((self.now, period), from, &state.path.trajectory, (index, *origin));
                     }
                 }
             }
@@ -314,7 +307,7 @@ impl<const AXES: usize> Tick<AXES> {
         }
         published.turns = published.turns.wrapping_add(1);
         let wants = self.lasers.wants();
-        let measures = wants.encoder.has(crd) || state.encoders.is_used();
+        let measures = wants.encoder.has(crd) || state.encoders.used;
         if wants.planned.has(crd) || measures {
             // At standstill its speed is 0, though its axes may still settle.
             self.feed_lasers(crd, next, wants, measures && runs);
@@ -340,7 +333,7 @@ impl<const AXES: usize> Tick<AXES> {
             planned = state.path.mean(&state.published.motion, next, period);
         }
         if measures {
-            let mapped = state.published.frame.map_or([None; 4], |frame| frame.axes());
+            let mapped = state.published.frame.map_or([None; 4], |frame| frame.axes);
             let gone = mapped.map(|axis| {
                 let published = axis.and_then(|axis| self.axes.get(axis.index())).map(|axis| &axis.published);
                 published.map_or(0, |published| published.encoder.wrapping_sub(published.encoder_before))
@@ -391,7 +384,7 @@ impl<const AXES: usize> Tick<AXES> {
 
     /// The path is at standstill.
     #[inline(never)]
-    fn come_to_standstill(&mut self, crd: Crd, next: Ns, hand_overs: &mut HandOvers<'_, '_, AXES>) {
+    fn come_to_standstill(&mut self, crd: Crd, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         let Tick { crds, axes, lasers, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
         // An interrupted FIFO is probably continued: after FIFO 1, the FIFO 0 that it interrupted.
@@ -420,7 +413,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.interrupt_geared(crd, reason, next);
         let Tick { crds, axes, .. } = self;
         let Some(state) = crds.get_mut(crd) else { return };
-        for axis in state.published.frame.iter().flat_map(AxisMap::axes).flatten() {
+        for axis in state.published.frame.iter().flat_map(|frame| frame.axes).flatten() {
             if let Some(axis) = axes.get_mut(axis.index()) {
                 axis.release_here(next, reason);
             }

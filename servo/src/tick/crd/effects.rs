@@ -7,7 +7,7 @@ use super::AxisMap;
 use crate::axis::AxisState;
 use crate::laser::{Lasers, PathRun};
 use crate::output::general_outputs::{OutputChange, OutputEdges};
-use crate::path::{DIMENSIONS, ENDLESS_WAIT_FINE_NS, Effects, EntryEffect, PathStop};
+use crate::path::{ENDLESS_WAIT_FINE_NS, Effects, EntryEffect, PathPos, PathStop};
 use crate::segment::piece::Scaled;
 use crate::segment::ramp::{Accel, Speed, Trapezoid};
 use crate::tables::TableStores;
@@ -26,7 +26,7 @@ state! {
         /// The most that an axis may move in a tick, in [`Pos`].
         pub(crate) step_limit: u64 = step_limit,
         pub(crate) frame: &'a AxisMap = frame,
-        pub(crate) origin: &'a [Pos; DIMENSIONS] = origin,
+        pub(crate) origin: &'a PathPos = origin,
         pub(crate) axes: &'a mut [AxisState] = axes,
         pub(crate) edges: &'a mut OutputEdges = edges,
         pub(crate) lasers: &'a mut Lasers = lasers,
@@ -53,7 +53,7 @@ state! {
     pub(crate) fn new(
         (crd, fifo): (Crd, u8),
         (next, step_limit): (Ns, u64),
-        (frame, origin): (&'a AxisMap, &'a [Pos; DIMENSIONS]),
+        (frame, origin): (&'a AxisMap, &'a PathPos),
         (axes, edges, lasers): (&'a mut [AxisState], &'a mut OutputEdges, &'a mut Lasers),
         (segments, tables): (&'a [SegmentStore], TableStores<'a>),
         (geared, awaited): (AxisMask, Option<(Axis, Ns)>),
@@ -200,8 +200,8 @@ impl Effects for PathEffects<'_> {
         self.unable = self.unable.or(Some(axis));
     }
 
-    fn admits(&mut self, position: &[Pos; DIMENSIONS]) -> bool {
-        for ((axis, at), origin) in self.frame.axes_ref().iter().zip(position).zip(self.origin) {
+    fn admits(&mut self, position: &PathPos) -> bool {
+        for ((axis, at), origin) in self.frame.axes.iter().zip(position).zip(self.origin) {
             let Some(axis) = axis else { continue };
             let to = Pos(at.0.wrapping_add(origin.0));
             if self.axes.get(axis.index()).is_some_and(|state| !state.admits(to)) {

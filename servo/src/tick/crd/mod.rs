@@ -24,8 +24,7 @@ pub(crate) use commands::Halt;
 use path_soft_limits::Clearance;
 
 use crate::laser::EncoderSpeed;
-use crate::path::axis_map::AxisIndices;
-use crate::path::axis_map::AxisMap;
+use crate::path::axis_map::{AxisIndices, AxisMap};
 use crate::path::{FifoEnds, Path, PathStores};
 use crate::units::{Axis, AxisMask, Crd, CrdMask, Ns, Pos};
 use crate::view::{CrdView, StopReason};
@@ -49,7 +48,7 @@ state! {
         awaited: Option<(Axis, Ns)> = None,
         /// Of the motion in force, and of the one after it.
         clearance: [Clearance; 2] = [Clearance::Unknown; 2],
-        path: Path = Path::IDLE,
+        pub(crate) path: Path = Path::IDLE,
         /// At standstill: the FIFO that will probably be started, and the scans before its start is
         /// prepared.
         likely: u8 = 0,
@@ -71,18 +70,8 @@ impl CrdState {
         FifoEnds { ends: self.published.ends }
     }
 
-    /// Its FIFOs have carried out so many entries more: see
-    /// [`crate::tick::Tick::advance_fifo_counters`].
-    #[cfg(feature = "test-hooks")]
-    pub(crate) fn advance_fifo_counters(&mut self, by: u32) {
-        let CrdView { ends, released, done, .. } = &mut self.published;
-        [ends, released, done].into_iter().flatten().for_each(|count| *count = count.wrapping_add(by));
-        self.path.advance_counters(by);
-        self.mark_changed();
-    }
-
     /// Something other than the position on the path differs from the last view.
-    fn mark_changed(&mut self) {
+    pub(crate) fn mark_changed(&mut self) {
         self.published.changes = self.published.changes.wrapping_add(1);
         self.published.moves = self.published.moves.wrapping_add(1);
     }
@@ -129,7 +118,7 @@ impl Crds {
     /// One of those at standstill prepares a part of its next start: the next in turn, lowest
     /// first.
     #[inline(never)]
-    pub(crate) fn prepare_start(&mut self, steps: u32, paths: PathStores<'_>) {
+    pub(crate) fn prepare_start(&mut self, steps: u32, paths: PathStores) {
         let resting = CrdMask(self.unprepared.0 & !self.running.0);
         let after = CrdMask(resting.0 & !self.turn);
         let Some(crd) = (if after.0 == 0 { resting } else { after }).crds().next() else { return };

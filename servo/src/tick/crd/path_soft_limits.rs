@@ -13,7 +13,7 @@
 //! | what limits an axis | `axis/soft_limits.rs` |
 use super::{AxisIndices, CrdState, Crds};
 use crate::axis::AxisState;
-use crate::path::DIMENSIONS;
+use crate::path::PathPos;
 use crate::units::Pos;
 
 /// Whether a limit may be reached within a motion.
@@ -39,7 +39,7 @@ impl CrdState {
     /// The clearance of the motion in force, or of the one `ahead`.
     pub(super) fn clearance_of(&self, ahead: bool, axes: &[AxisState]) -> Clearance {
         let (hull, axis_indices, origin) = (self.path.hull(ahead), &self.axis_indices, &self.published.origin);
-        let is_clear = |position: &[Pos; DIMENSIONS]| {
+        let is_clear = |position: &PathPos| {
             axis_indices.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
                 (Some(axis), Some(at), Some(origin)) => axis.is_clear(Pos(at.0.saturating_add(origin.0))),
                 _ => true,
@@ -60,12 +60,7 @@ impl Crds {
 
 /// Whether the axes may be driven to a position without further checks.
 #[inline(always)]
-pub(super) fn is_free(
-    axis_indices: &AxisIndices,
-    origin: &[Pos; DIMENSIONS],
-    position: &[Pos; DIMENSIONS],
-    axes: &[AxisState],
-) -> bool {
+pub(super) fn is_free(axis_indices: &AxisIndices, origin: &PathPos, position: &PathPos, axes: &[AxisState]) -> bool {
     axis_indices.all(|index, axis| match (axes.get(axis), position.get(index), origin.get(index)) {
         (Some(axis), Some(at), Some(origin)) => axis.is_free(Pos(at.0.wrapping_add(origin.0))),
         _ => true,

@@ -9,13 +9,7 @@ use crate::units::{Crd, Ns};
 
 impl<const AXES: usize> Tick<AXES> {
     /// Override.
-    pub(crate) fn set_override(
-        &mut self,
-        crd: Crd,
-        rate: FeedOverride,
-        next: Ns,
-        hand_overs: &mut HandOvers<'_, '_, AXES>,
-    ) {
+    pub(crate) fn set_override(&mut self, crd: Crd, rate: FeedOverride, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         self.with_path(crd, next, hand_overs, |path, _, feed, source, _| {
             path.rules.set_override(rate);
             path.replan(next, feed, source);

@@ -17,7 +17,7 @@ impl FollowRun {
         now: Ns,
         to: TimedPosition,
         named: i64,
-        context: &mut FollowContext<'_, S, L>,
+        context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
         let still = Section::still(now, to);
         if self.wait == Wait::Start {
@@ -52,8 +52,8 @@ impl FollowRun {
     /// The master moves along a section.
     pub(super) fn advance<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        mut section: Section<'_>,
-        context: &mut FollowContext<'_, S, L>,
+        mut section: Section,
+        context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
         match self.wait {
             Wait::Pass { up, at } => {

@@ -77,25 +77,17 @@ impl FollowRun {
     }
 
     /// The slave's position at the beginning of an entry of this pass.
-    pub(super) fn knot<L>(&self, index: u32, context: &FollowContext<'_, impl FollowEntries, L>) -> Exact {
+    pub(super) fn knot<L>(&self, index: u32, context: &FollowContext<impl FollowEntries, L>) -> Exact {
         let (_, end) = self.ends_before(index, context);
         Exact(self.origin.wrapping_add(end))
     }
 
-    pub(super) fn before<L>(
-        &self,
-        index: u32,
-        context: &FollowContext<'_, impl FollowEntries, L>,
-    ) -> Option<FollowEntry> {
+    pub(super) fn before<L>(&self, index: u32, context: &FollowContext<impl FollowEntries, L>) -> Option<FollowEntry> {
         (index > 0).then(|| context.source.entry(self.fifo, index.wrapping_sub(1)))
     }
 
     /// The end of the entry before `index`.
-    pub(super) fn ends_before<L>(
-        &self,
-        index: u32,
-        context: &FollowContext<'_, impl FollowEntries, L>,
-    ) -> (i128, i128) {
+    pub(super) fn ends_before<L>(&self, index: u32, context: &FollowContext<impl FollowEntries, L>) -> (i128, i128) {
         self.before(index, context).map_or((0, 0), FollowEntry::ends)
     }
 
@@ -117,7 +109,7 @@ impl FollowRun {
 
     /// The piece of an entry of this pass that holds the progress `x` is in force.
     #[inline(never)]
-    pub(super) fn enter<L>(&mut self, index: u32, x: i128, context: &FollowContext<'_, impl FollowEntries, L>) {
+    pub(super) fn enter<L>(&mut self, index: u32, x: i128, context: &FollowContext<impl FollowEntries, L>) {
         let entry = context.source.entry(self.fifo, index);
         let before = self.before(index, context);
         let segment = self.segment(self.pass, index, before, entry, context.setup, context.source);
@@ -134,7 +126,7 @@ impl FollowRun {
     /// Loads the next piece of the segment in force, or of the one after it, if nothing else is to
     /// be done: neither an entry that is no segment nor an end of a pass lies between.
     #[inline(always)]
-    pub(super) fn go_on<L>(&mut self, context: &FollowContext<'_, impl FollowEntries, L>) -> bool {
+    pub(super) fn go_on<L>(&mut self, context: &FollowContext<impl FollowEntries, L>) -> bool {
         if self.piece.span == 0 {
             return false;
         }
@@ -157,7 +149,7 @@ impl FollowRun {
     }
 
     /// Finds the segment of the present progress, through ends of passes.
-    pub(super) fn seek<L>(&mut self, context: &mut FollowContext<'_, impl FollowEntries, L>) -> Seek {
+    pub(super) fn seek<L>(&mut self, context: &mut FollowContext<impl FollowEntries, L>) -> Seek {
         if self.go_on(context) {
             return Seek::Here;
         }
@@ -206,13 +198,7 @@ impl FollowRun {
 
     /// Loads the piece that holds the progress `x` of this pass; its segment is one of
     /// `low`..`limit`.
-    pub(super) fn load<L>(
-        &mut self,
-        x: i128,
-        low: u32,
-        limit: u32,
-        context: &FollowContext<'_, impl FollowEntries, L>,
-    ) {
+    pub(super) fn load<L>(&mut self, x: i128, low: u32, limit: u32, context: &FollowContext<impl FollowEntries, L>) {
         let ends = |index| context.source.entry(self.fifo, index).ends_master();
         let (mut low, mut high) = (low, limit.wrapping_sub(1));
         while low < high {
@@ -227,11 +213,7 @@ impl FollowRun {
     }
 
     /// The pass is over at the progress `x` ≥ its end; the exact end of the motion, if that is it.
-    pub(super) fn end_pass<L>(
-        &mut self,
-        x: i128,
-        context: &mut FollowContext<'_, impl FollowEntries, L>,
-    ) -> Option<i128> {
+    pub(super) fn end_pass<L>(&mut self, x: i128, context: &mut FollowContext<impl FollowEntries, L>) -> Option<i128> {
         let fifo = context.setup.fifo(self.fifo);
         let (length, displacement) = self.ends_before(fifo.end, context);
         if length == 0 {
@@ -260,7 +242,7 @@ impl FollowRun {
     }
 
     /// Back into an earlier pass; `x` < 0.
-    pub(super) fn back<L>(&mut self, x: i128, context: &FollowContext<'_, impl FollowEntries, L>) {
+    pub(super) fn back<L>(&mut self, x: i128, context: &FollowContext<impl FollowEntries, L>) {
         let fifo = context.setup.fifo(self.fifo);
         let (length, displacement) = self.ends_before(fifo.end, context);
         let passes = self.pass.wrapping_sub(self.floor.0);

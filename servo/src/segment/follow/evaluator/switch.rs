@@ -16,7 +16,7 @@ impl FollowRun {
         &mut self,
         method: Method,
         pos: Pos,
-        context: &mut FollowContext<'_, impl FollowEntries, L>,
+        context: &mut FollowContext<impl FollowEntries, L>,
     ) -> bool {
         let other = self.fifo ^ 1;
         if method == Method::Table && context.setup.is_empty(other) {
@@ -68,7 +68,7 @@ impl FollowRun {
         pass: u32,
         from: u32,
         ratio: i128,
-        context: &FollowContext<'_, impl FollowEntries, L>,
+        context: &FollowContext<impl FollowEntries, L>,
     ) {
         let end = context.setup.fifo(self.fifo).end;
         let mut index = from;
@@ -94,7 +94,7 @@ impl FollowRun {
         origin: i128,
         ratio: i128,
         at_once: bool,
-        context: &mut FollowContext<'_, impl FollowEntries, L>,
+        context: &mut FollowContext<impl FollowEntries, L>,
     ) {
         context.setup.clear(self.fifo);
         self.emptied |= 1 << self.fifo;
@@ -181,7 +181,7 @@ impl FollowRun {
     }
 
     /// The ratio at the end of the segment before entry `index`.
-    pub(super) fn end_ratio<L>(&mut self, index: u32, context: &FollowContext<'_, impl FollowEntries, L>) -> i128 {
+    pub(super) fn end_ratio<L>(&mut self, index: u32, context: &FollowContext<impl FollowEntries, L>) -> i128 {
         let fifo = context.setup.fifo(self.fifo);
         let mut at = index;
         for _ in 0..=STOPS {
