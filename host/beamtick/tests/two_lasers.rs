@@ -115,6 +115,10 @@ fn each_layer_is_lit_by_its_own_laser_and_the_other_one_is_dark() {
         let words = ["check", "d.svg", "--machine", "m.toml", "--laser", "cut"];
         let (said, code) = beamtick(folder.path(), &words);
         assert!(code == 2 && said.contains("layers.power is 20; it is 0 to 10 V (lasers.cut.power)"), "{said}");
+        // Unless it has nothing to mark.
+        let other = [&words[..], &["--layer", "colour=#00f,power=3,speed=600"]].concat();
+        let (said, code) = beamtick(folder.path(), &other);
+        assert!(code == 0 && said.contains("laser cut"), "{said}");
         let machine = fs::read_to_string(folder.path().join("m.toml")).unwrap().replace("power = 20", "power = 6");
         fs::write(folder.path().join("m.toml"), machine).unwrap();
         let (said, code) = beamtick(folder.path(), &[&sim[..], &["--laser", "cut"]].concat());
@@ -141,7 +145,8 @@ fn each_layer_is_lit_by_its_own_laser_and_the_other_one_is_dark() {
 #[test]
 fn s_of_a_program_sets_the_laser_that_is_named() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("m.toml"), axes() + LASERS).unwrap();
+    // A layer whose power the other laser has not is no matter of a program.
+    fs::write(folder.path().join("m.toml"), axes() + LASERS + LAYERS).unwrap();
     fs::write(folder.path().join("p.nc"), "M3 S100 F1200\nG1 X10\nG0 Y5\nG1 X20 S255\nM5\n").unwrap();
     let first = lines(&[[0.0, 0.0], [10.0, 0.0]]);
     let sim = ["sim", "p.nc", "--machine", "m.toml", "--trace", "t.csv", "--strict"];

@@ -149,7 +149,9 @@ pub fn read_as(text: &str, chosen: Option<&str>, shown: impl Fn(usize, &str) -> 
         None => 0,
         Some(name) => named(&lasers, name).map_err(|why| shown(0, &format!("--laser {why}")))?,
     };
-    checked(&file, lasers, chosen).map_err(fault)
+    let mut machine = checked(&file, lasers).map_err(fault)?;
+    machine.choose(chosen, &file.layers, fault);
+    Ok(machine)
 }
 
 /// The index of the laser of this name.
@@ -272,7 +274,25 @@ fn place(text: &str, at: usize) -> (usize, String) {
     (line + 1, whole)
 }
 
-fn checked(file: &File, lasers: Vec<Laser>, chosen: usize) -> Result<Machine, Fault> {
+impl Machine {
+    /// Takes another laser than the first one. Layers that name none are marked by it; one that
+    /// does not suit it says so once it has something to mark.
+    fn choose(&mut self, chosen: usize, keys: &[Spanned<LayerKeys>], shown: impl Fn(Fault) -> String) {
+        if chosen == self.chosen {
+            return;
+        }
+        self.chosen = chosen;
+        for (place, (layer, keys)) in self.layers.iter_mut().zip(keys).enumerate() {
+            match layers::checked(keys, (&self.lasers, chosen), place) {
+                Ok(new) => *layer = new,
+                Err(fault) => layer.unfit = Some(shown(fault)),
+            }
+        }
+    }
+}
+
+/// The machine of a file whose lasers are read; the first one is chosen.
+fn checked(file: &File, lasers: Vec<Laser>) -> Result<Machine, Fault> {
     if let Some(keys) = &file.axes.a {
         let message = "is a fourth axis; G-code and drawings move X, Y and Z only: remove this table".to_owned();
         return Err((keys.span(), message));
@@ -331,9 +351,9 @@ fn checked(file: &File, lasers: Vec<Laser>, chosen: usize) -> Result<Machine, Fa
     }
     let mut layers = Vec::new();
     for keys in &file.layers {
-        layers.push(layers::checked(keys, (&lasers, chosen), layers.len())?);
+        layers.push(layers::checked(keys, (&lasers, 0), layers.len())?);
     }
-    Ok(Machine { family: file.family, link, axes, lasers, chosen, path, outputs, layers })
+    Ok(Machine { family: file.family, link, axes, lasers, chosen: 0, path, outputs, layers })
 }
 
 /// The parser's words, with its names of types as people say them.

@@ -41,6 +41,8 @@ pub struct Layer {
     pub drawing_layer: Option<String>,
     /// The laser that marks: an index of those of the machine.
     pub laser: usize,
+    /// Why it cannot be marked by the laser that was chosen: file, line, key, limit.
+    pub unfit: Option<String>,
     /// Power at `speed`, in the laser's unit; 0 without light.
     pub power: f64,
     /// mm/min.
@@ -109,6 +111,7 @@ pub(crate) fn checked(
         colour,
         drawing_layer: keys.layer.clone(),
         laser: index,
+        unfit: None,
         power,
         speed,
         light: keys.light,

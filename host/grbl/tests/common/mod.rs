@@ -131,7 +131,7 @@ impl Rig {
 
     /// The switches of both lasers.
     pub fn switches(&self) -> [bool; 2] {
-        let board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
         [0, 1].map(|channel| board.laser(channel).switch)
     }
 }
