@@ -245,7 +245,10 @@ fn draw(output: Output, mut preview: Preview, found: Result<&Made, &String>) -> 
 pub fn link(given: Option<&str>, drawing: &Drawing) -> Result<String, Failure> {
     match (given, &drawing.machine) {
         (Some(link), _) => Ok(link.to_owned()),
-        (None, Some(file)) => Ok(machine_file::open(file, drawing.laser.as_deref())?.link.unwrap_or_else(|| "virtual".to_owned())),
+        (None, Some(file)) => {
+            let machine = machine_file::open(file, drawing.laser.as_deref())?;
+            Ok(machine.link.unwrap_or_else(|| "virtual".to_owned()))
+        }
         (None, None) => Err(Failure::Input(
             "--link is missing: tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual; or --machine FILE, which names one"
                 .to_owned(),

@@ -230,6 +230,12 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         ),
         (
             page(&format!(
+                "<defs><path id=\"p\" pathLength=\"10\" d=\"M0 0H50\" {stroke}/></defs><use href=\"#p\" stroke-dasharray=\"1\"/>"
+            )),
+            "the dashes of a shape without an id have other units by its pathLength",
+        ),
+        (
+            page(&format!(
                 "<g stroke-dasharray=\"1\"><path style=\"vector-effect:non-scaling-stroke\" d=\"M0 0H50\" {stroke}/></g>"
             )),
             "the dashes of the path of line 2 have other units by its vector-effect",

@@ -224,7 +224,9 @@ impl Found {
         let map = Map::of(path.abs_transform());
         let mut elements = dashes::elements(path.data());
         if let Some(lengths) = stroke.dasharray() {
-            if let Some(why) = self.foreign_dashes.get(path.id()) {
+            // What `use` shows has lost its id.
+            let any = self.foreign_dashes.values().next().filter(|_| path.id().is_empty());
+            if let Some(why) = self.foreign_dashes.get(path.id()).or(any) {
                 let text =
                     format!("the dashes of {place} have other units by its {why}, which is not supported: remove that");
                 return Err(Fault::whole(text));
@@ -232,7 +234,7 @@ impl Found {
             if lengths.iter().step_by(2).any(|dash| *dash == 0.0) {
                 self.pass("dots, which are dashes of length 0, are not marked");
             }
-            let pattern = dashes::Pattern::new(lengths, stroke.dashoffset(), map.scale());
+            let pattern = dashes::DashPattern::new(lengths, stroke.dashoffset(), map.scale());
             self.dashes += pattern.count_max(&elements);
             if self.dashes > dashes::DASHES_MAX {
                 let most = dashes::DASHES_MAX;

@@ -68,7 +68,8 @@ impl fmt::Display for Extent {
             [] => write!(f, "no marks")?,
             _ => write!(f, "marks of {:.3} mm, {} mm", self.length.1, list(&self.marks))?,
         }
-        for (place, (name, length)) in self.lasers.iter().enumerate() {
+        let lasers = self.lasers.iter().filter(|_| !self.marks.is_empty());
+        for (place, (name, length)) in lasers.enumerate() {
             write!(f, "{} laser {name} {length:.3} mm", if place == 0 { ":" } else { "," })?;
         }
         match self.seconds {

@@ -111,8 +111,8 @@ fn quoted(text: &str) -> String {
 /// A property of an element: its style, else its attribute.
 fn property<'a>(node: Node<'a, '_>, key: &str) -> Option<&'a str> {
     let rules = node.attribute("style").unwrap_or("").split(';');
-    let styles = rules.filter_map(|rule| rule.split_once(':')).filter(|(name, _)| name.trim() == key);
-    let value = styles.last().map(|(_, value)| value).or(node.attribute(key))?;
+    let mut styles = rules.filter_map(|rule| rule.split_once(':')).filter(|(name, _)| name.trim() == key);
+    let value = styles.next_back().map(|(_, value)| value).or(node.attribute(key))?;
     Some(value.trim().trim_end_matches("!important").trim_end())
 }
 

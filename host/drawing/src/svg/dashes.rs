@@ -2,7 +2,7 @@
 //!
 //! In: the elements of a path, and `stroke-dasharray` with its offset, in units of the path. Out:
 //! the elements of its dashes. They are found before the transform of the path, as SVG says. Fails
-//! never: [`Pattern::count_max`] says how many dashes there may be, before they are made.
+//! never: [`DashPattern::count_max`] says how many dashes there may be, before they are made.
 use kurbo::{Affine, PathEl, Point};
 use usvg::tiny_skia_path::{Path, PathSegment};
 
@@ -13,7 +13,7 @@ pub const DASHES_MAX: f64 = 100_000.0;
 const DOT_PX: f64 = 1e-5;
 
 /// See the module text.
-pub struct Pattern {
+pub struct DashPattern {
     /// Dash, gap, dash, gap, in scaled units.
     lengths: Vec<f64>,
     offset: f64,
@@ -33,13 +33,13 @@ pub fn elements(path: &Path) -> Vec<PathEl> {
     path.segments().map(element).collect()
 }
 
-impl Pattern {
+impl DashPattern {
     /// `scale` is how much larger the page shows the path: lengths along curves are found as
     /// exactly as the page needs them.
-    pub fn new(lengths: &[f32], offset: f32, scale: f64) -> Pattern {
+    pub fn new(lengths: &[f32], offset: f32, scale: f64) -> DashPattern {
         let scale = if scale.is_normal() { scale } else { 1.0 };
         let lengths = lengths.iter().map(|length| f64::from(*length) * scale).collect();
-        Pattern { lengths, offset: f64::from(offset) * scale, scale }
+        DashPattern { lengths, offset: f64::from(offset) * scale, scale }
     }
 
     /// So many dashes a path has at most.
