@@ -274,6 +274,10 @@ pub struct Drawing {
     /// such a file. - is the standard input.
     #[arg(long, value_name = "FILE.toml")]
     pub machine: Option<PathBuf>,
+    /// Of a machine with named lasers, [lasers.NAME]: the one that S of G-code sets, and that marks
+    /// layers which name none. Without it, the first of the file.
+    #[arg(long, value_name = "NAME")]
+    pub laser: Option<String>,
     /// How strokes of a drawing are marked, with the keys of a [[layers]] of the machine file,
     /// before which it goes: power=80,speed=600, or
     /// colour=#ff0000,power=80,speed=600,passes=2,order=1, or colour=#0000ff,skip=true.
@@ -292,7 +296,11 @@ pub struct Drawing {
 impl Drawing {
     /// Some option of it is given.
     pub fn is_given(&self) -> bool {
-        self.machine.is_some() || self.pass_stops || !self.layers.is_empty() || self.at.is_some()
+        self.machine.is_some()
+            || self.laser.is_some()
+            || self.pass_stops
+            || !self.layers.is_empty()
+            || self.at.is_some()
     }
 }
 
@@ -403,6 +411,10 @@ pub struct Grbl {
     /// this begins.
     #[arg(long, value_name = "FILE.toml")]
     pub machine: PathBuf,
+    /// Of a machine with named lasers, [lasers.NAME]: the one that S sets; the other one stays dark.
+    /// Without it, the first of the file.
+    #[arg(long, value_name = "NAME")]
+    pub laser: Option<String>,
     /// tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual: a virtual controller in real time.
     /// Without it, the link of the machine file; if that names none, virtual.
     #[arg(long)]

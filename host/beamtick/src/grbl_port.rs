@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Serves until a signal comes.
 pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
-    let machine = machine_file::open(&arguments.machine)?;
+    let machine = machine_file::open(&arguments.machine, arguments.laser.as_deref())?;
     let name = arguments.link.as_deref().or(machine.link.as_deref()).unwrap_or("virtual");
     // Before anything is opened: a port that cannot be used is the command line's fault.
     let (port, place) = port(arguments)?;

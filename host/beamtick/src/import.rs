@@ -68,18 +68,36 @@ pub fn looks_like(bytes: &[u8]) -> Option<(Kind, String)> {
     if (pairs.next(), pairs.next()) == (Some("0"), Some("SECTION")) {
         return Some((Kind::Drawing(Format::Dxf), "this is a DXF".to_owned()));
     }
-    let found = text.lines().take(LOOKED_AT).enumerate().find(|(_, line)| is_block(line));
-    found.map(|(number, line)| {
+    let named = |block: &str| block.starts_with(['G', 'M', 'N']) && is_block(block);
+    let mut lines = text.lines().take(LOOKED_AT).enumerate().map(|(number, line)| (number, line, bare(line)));
+    // Words of other letters stand in lists of a job, too, but no job begins with them.
+    let first = lines.clone().find(|(.., block)| !matches!(block.as_str(), "" | "%"));
+    let first = first.filter(|(.., block)| is_block(block));
+    let found = first.or_else(|| lines.find(|(.., block)| named(block)));
+    found.map(|(number, line, _)| {
         let shown: String = line.trim().chars().take(40).collect();
         (Kind::Program, format!("line {} is G-code (`{shown}`)", number + 1))
     })
 }
 
-/// Whether a line is words of G-code and nothing else, G, M or N first.
-fn is_block(line: &str) -> bool {
-    let code: String = line.split([';', '(']).next().unwrap_or("").split_whitespace().collect();
-    let mut rest = code.to_ascii_uppercase();
-    if !rest.starts_with(['G', 'M', 'N']) {
+/// A line of G-code without blanks, comments and the mark of a line that may be left out.
+fn bare(line: &str) -> String {
+    let line = line.split(';').next().unwrap_or("").trim();
+    let line = line.strip_prefix('/').filter(|rest| !rest.starts_with(['/', '*'])).unwrap_or(line);
+    let mut in_comment = false;
+    let outside = |letter: &char| {
+        in_comment |= *letter == '(';
+        let is_outside = !in_comment && !letter.is_whitespace();
+        in_comment &= *letter != ')';
+        is_outside
+    };
+    line.chars().filter(outside).collect::<String>().to_ascii_uppercase()
+}
+
+/// Whether a line that [`bare`] has made is words of G-code and nothing else.
+fn is_block(block: &str) -> bool {
+    let mut rest = block;
+    if rest.is_empty() {
         return false;
     }
     while rest.starts_with(|letter: char| letter.is_ascii_uppercase()) {
@@ -88,7 +106,7 @@ fn is_block(line: &str) -> bool {
         if number[..end].parse::<f64>().is_err() {
             return false;
         }
-        rest = number[end..].to_owned();
+        rest = &number[end..];
     }
     rest.is_empty()
 }
@@ -101,6 +119,8 @@ pub struct Found {
     pub file: PathBuf,
     /// The machine's axes, X first.
     pub millimetres: Vec<Millimetres>,
+    /// Channels of lasers that have a name.
+    pub lasers: Vec<(u8, String)>,
     /// What the path covers, and how long it takes.
     pub extent: Extent,
 }
@@ -115,7 +135,7 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>, timed: bool) -> 
             "{name}: G-code and drawings need --machine FILE; `beamtick machine new FILE` writes one"
         )));
     };
-    let mut machine = machine_file::open(file)?;
+    let mut machine = machine_file::open(file, drawing.laser.as_deref())?;
     machine.add_layers(&drawing.layers).map_err(Failure::Input)?;
     let picture = match plot {
         None => None,
@@ -130,7 +150,7 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>, timed: bool) -> 
     let found = match picture {
         None => made((&name, kind), path, &machine, (drawing, timed), None),
         Some((output, mut preview)) => {
-            let mut show = |[x, y, _]: [f64; 3], lit: bool| preview.line((x, y), lit);
+            let mut show = |[x, y, _]: [f64; 3], lit: Option<usize>| preview.line((x, y), lit);
             let found = made((&name, kind), path, &machine, (drawing, timed), Some(&mut show));
             draw(output, preview, found.as_ref())?;
             found
@@ -142,7 +162,9 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>, timed: bool) -> 
         complain!("{note}");
     }
     let millimetres = machine_file::millimetres(&machine);
-    Ok(Found { script: found.script, file: file.clone(), millimetres, extent: found.extent })
+    let named = |laser: machine::Laser| laser.name.map(|name| (laser.channel, name));
+    let lasers = machine.lasers.into_iter().filter_map(named).collect();
+    Ok(Found { script: found.script, file: file.clone(), millimetres, lasers, extent: found.extent })
 }
 
 /// What a program or a drawing says.
@@ -188,14 +210,19 @@ fn made(
 fn preview(name: &str, machine: &Machine) -> Preview {
     let travel = ['X', 'Y'].map(|letter| machine.axis(letter).map_or((0.0, 0.0), |axis| axis.travel));
     let options = PlotOptions { title: name.to_owned(), ..PlotOptions::default() };
-    Preview::new(options, ['X', 'Y'], travel)
+    let marks = [0, 1].map(|laser| match machine.lasers.get(laser).and_then(|laser| laser.name.as_ref()) {
+        Some(name) => format!("marked by {name}"),
+        None => "marked".to_owned(),
+    });
+    Preview::new(options, ['X', 'Y'], travel, marks)
 }
 
 /// Writes the picture of a path; of one that is refused too, if there is anything of it.
 fn draw(output: Output, mut preview: Preview, found: Result<&Made, &String>) -> Result<(), Failure> {
     match found {
         Ok(found) => {
-            let mut extent = found.extent.clone();
+            // The legend names the lasers.
+            let mut extent = Extent { lasers: Vec::new(), ..found.extent.clone() };
             extent.all.retain(|(letter, ..)| *letter != 'Z');
             extent.marks.retain(|(letter, ..)| *letter != 'Z');
             preview.subtitle(extent.to_string());
@@ -219,7 +246,10 @@ fn draw(output: Output, mut preview: Preview, found: Result<&Made, &String>) -> 
 pub fn link(given: Option<&str>, drawing: &Drawing) -> Result<String, Failure> {
     match (given, &drawing.machine) {
         (Some(link), _) => Ok(link.to_owned()),
-        (None, Some(file)) => Ok(machine_file::open(file)?.link.unwrap_or_else(|| "virtual".to_owned())),
+        (None, Some(file)) => {
+            let machine = machine_file::open(file, drawing.laser.as_deref())?;
+            Ok(machine.link.unwrap_or_else(|| "virtual".to_owned()))
+        }
         (None, None) => Err(Failure::Input(
             "--link is missing: tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual; or --machine FILE, which names one"
                 .to_owned(),

@@ -38,10 +38,20 @@ struct PathFacts {
     covers: Vec<RangeFacts>,
     /// Of what may be lit.
     marks: Vec<RangeFacts>,
+    /// Of a machine with named lasers: what each may light.
+    lasers: Vec<LaserMarks>,
     /// The time that it takes, s.
     seconds: Option<f64>,
     #[serde(skip)]
     text: String,
+}
+
+/// What a laser marks.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct LaserMarks {
+    name: String,
+    marks_mm: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -68,11 +78,13 @@ struct StepFacts {
 impl PathFacts {
     fn of(extent: &Extent) -> PathFacts {
         let range = |row: &(char, f64, f64)| RangeFacts { letter: row.0, least_mm: row.1, greatest_mm: row.2 };
+        let lasers = extent.lasers.iter().map(|(name, length)| LaserMarks { name: name.clone(), marks_mm: *length });
         PathFacts {
             length_mm: extent.length.0,
             marks_mm: extent.length.1,
             covers: extent.all.iter().map(range).collect(),
             marks: extent.marks.iter().map(range).collect(),
+            lasers: lasers.collect(),
             seconds: extent.seconds,
             text: extent.to_string(),
         }

@@ -16,20 +16,20 @@ pub fn obey(arguments: &MachineFile) -> Result<(), Failure> {
     match &arguments.action {
         MachineAction::New(new) => write(new),
         MachineAction::Check { file } => {
-            say!("{}", machine::show(&open(file)?).trim_end());
+            say!("{}", machine::show(&open(file, None)?).trim_end());
             Ok(())
         }
     }
 }
 
-/// Reads a machine file.
-pub fn open(path: &Path) -> Result<Machine, Failure> {
+/// Reads a machine file; `laser` is the one that is chosen.
+pub fn open(path: &Path, laser: Option<&str>) -> Result<Machine, Failure> {
     let name = path.display().to_string();
     let text = input::read(path, Role::Machine)
         .map_err(|error| Failure::Input(format!("{name}: the machine file cannot be read: {error}")))?;
     let text = String::from_utf8(text)
         .map_err(|_| Failure::Input(format!("{name}: the machine file is not UTF-8 text; save it as UTF-8")))?;
-    Machine::read(&name, &text).map_err(Failure::Input)
+    Machine::read_for(&name, &text, laser).map_err(Failure::Input)
 }
 
 /// The axes in mm.

@@ -41,7 +41,8 @@ const LOOKS: &str = "this view only looks; --command with --machine FILE takes t
 
 /// See the module text.
 pub fn monitor(arguments: &Monitor) -> Result<(), Failure> {
-    let machine = arguments.machine.as_deref().map(machine_file::open).transpose()?;
+    let machine =
+        arguments.machine.as_deref().map(|file| machine_file::open(file, arguments.laser.as_deref())).transpose()?;
     let once = arguments.once || arguments.json;
     let terminal = std::io::stdout().is_terminal() && std::io::stdin().is_terminal();
     if !(once || terminal) {

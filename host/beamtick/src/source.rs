@@ -43,6 +43,8 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Axes that a picture shows in mm.
     pub millimetres: Vec<Millimetres>,
+    /// Channels of lasers that the machine file names.
+    pub lasers: Vec<(u8, String)>,
     /// What the path of a program or a drawing covers.
     pub extent: Option<strokes::Extent>,
 }
@@ -66,7 +68,7 @@ impl Source {
             let found = import::job(path, drawing, plot, timed)?;
             let read = Source::read(name.clone(), found.script, vec![path.to_owned(), found.file], path);
             let mut source = read.map_err(|why| why.failure(&name))?;
-            source.millimetres = found.millimetres;
+            (source.millimetres, source.lasers) = (found.millimetres, found.lasers);
             source.extent = Some(found.extent);
             return Ok(source);
         }
@@ -105,8 +107,8 @@ impl Source {
         }
         if drawing.is_given() {
             return Err(Failure::Input(format!(
-                "{name}: --machine, --layer, --at and --pass-stops are for G-code and drawings, and this is a job, which is \
-                 in pulses already; {}",
+                "{name}: --machine, --laser, --layer, --at and --pass-stops are for G-code and drawings, and this is a job, \
+                 which is in pulses already; {}",
                 import::NAMED
             )));
         }
@@ -128,8 +130,9 @@ impl Source {
                 for warning in &job.warnings {
                     complain!("{}", show(warning, &name, &script).trim_end());
                 }
-                let (files, millimetres) = (files.read.into_inner(), Vec::new());
-                Ok(Source { name, script, job, totals, in_parts, folder, files, millimetres, extent: None })
+                let files = files.read.into_inner();
+                let (millimetres, lasers, extent) = (Vec::new(), Vec::new(), None);
+                Ok(Source { name, script, job, totals, in_parts, folder, files, millimetres, lasers, extent })
             }
             Err(Broken::Text(error)) => Err(Unread::Text(error)),
             Err(Broken::Job(found)) => {

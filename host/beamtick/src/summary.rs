@@ -120,6 +120,8 @@ struct CrdFacts {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LaserFacts {
     pub(crate) channel: u8,
+    /// Its name in the machine file.
+    name: Option<String>,
     mode: &'static str,
     /// Of `output`.
     unit: &'static str,
@@ -216,6 +218,7 @@ pub fn facts(run: &Run<'_, '_>) -> Result<(Summary, Option<String>), Failure> {
         let state = client.call(LaserStatus { core: 1.into(), channel: i16::from(channel).into() })?;
         let of_it = |item: &&EventItem| (item.kind, item.of) == (event::LIMITED, channel);
         lasers_found.push(LaserFacts {
+            name: run.source.lasers.iter().find(|named| named.0 == channel).map(|named| named.1.clone()),
             on_at_the_end: run.report.lit.contains(&channel),
             width_limited_times: events.iter().filter(of_it).map(|item| u32::from(item.reason.get())).sum(),
             ..LaserFacts::of(channel, &state)
@@ -350,6 +353,7 @@ impl LaserFacts {
         };
         LaserFacts {
             channel,
+            name: None,
             mode,
             unit,
             light: state.light != 0,

@@ -81,6 +81,18 @@ fn any_file_may_come_over_the_standard_input() {
         let (out, errors, code) = fed(text, &[&["sim", "-"], options].concat());
         assert!(code == 0 && out.contains("axis 1: planned"), "{out}{errors}");
     }
+    // A program is one by its words, whichever its first are; what is no word of it is a job.
+    for text in ["X3 Y2\n", "%\n(corner) x3 y2 f600\n", "; here\n/X3 (there) Y2\n", "F600\nG1 X3 Y2\n"] {
+        let (out, errors, code) = fed(text, &[&["sim", "-"], &drawn[..2]].concat());
+        assert!(code == 0 && out.contains("axis 1: planned"), "{text}: {out}{errors}");
+    }
+    for text in ["/* X3\nX3 Y2 */\nSleep(1);\n", "short x1 = 2, y;\ny = (\nx1\n);\nSleep(1);\n", "Sleep(1);\n"] {
+        let (out, errors, code) = fed(text, &["sim", "-"]);
+        assert!(code == 0 && out.contains("script clock 1.000 ms"), "{text}: {out}{errors}");
+    }
+    let as_job = file("words.gts", "X3 Y2\n");
+    let (_, errors, code) = fed("", &["sim", &as_job]);
+    assert!(code == 2 && errors.contains("line 1 is G-code (`X3 Y2`); it is taken for a job by its name"), "{errors}");
     let waits = file("in.gts", "GT_AxisOn(1);\nSleep(20);\nGT_GetDi(MC_HOME, &di);\n");
     let (out, errors, code) = fed("t_ms,input,level\n0,home1,0\n", &["sim", &waits, "--inputs", "-"]);
     assert!(code == 0 && out.contains("GetDi"), "{out}{errors}");

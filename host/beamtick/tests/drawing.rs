@@ -199,11 +199,46 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
             "the path of line 2 goes to Y 401.000 mm in the machine; the travel is -400 to 400 mm, --at moves a drawing; 2 shapes leave \
              the travel; the drawing covers X 0.000 to 402.000, Y 95.000 to 401.000 mm",
         ),
-        (page("<text x=\"5\" y=\"5\">Beam</text>"), "d.svg:2: text cannot be marked: make paths of it"),
+        (
+            page("<text x=\"5\" y=\"5\">Beam</text>"),
+            "d.svg:2: the text cannot be marked: convert text to paths in the drawing program",
+        ),
+        (
+            page(&format!("{LINE}\n<g><text id=\"title\"><tspan>Beam</tspan></text></g>")),
+            "d.svg:3: the text `title` cannot be marked: convert text to paths in the drawing program",
+        ),
         (page("<image href=\"a.png\" width=\"5\" height=\"5\"/>"), "d.svg:2: an image cannot be marked"),
         (
-            page(&format!("{LINE}<path d=\"M0 0L1 1\" {stroke} stroke-dasharray=\"1 2\"/>")),
-            "the stroke of the path of line 2 is dashed",
+            page(&format!("{LINE}<path d=\"M0 0L1 1\" {stroke} stroke-dasharray=\"1 two\"/>")),
+            "d.svg:2: <path>: stroke-dasharray is `1 two`: ",
+        ),
+        (
+            page(&format!("<g style=\"stroke-dasharray: 1,-2\">{LINE}</g>")),
+            "d.svg:2: <g>: stroke-dasharray is `1,-2`: a length is below 0",
+        ),
+        (
+            page(&format!("<path d=\"M0 0L1 1\" {stroke} stroke-dashoffset=\"x\"/>")),
+            "d.svg:2: <path>: stroke-dashoffset is `x`: ",
+        ),
+        (
+            page(&format!("{LINE}\n<path d=\"M0 0H50\" {stroke} stroke-dasharray=\"0.0001\"/>")),
+            "with the dashes of the path of line 3 there are more than 100000: make them longer",
+        ),
+        (
+            page(&format!("<path id=\"p\" pathLength=\"10\" d=\"M0 0H50\" {stroke} stroke-dasharray=\"1\"/>")),
+            "the dashes of `p` have other units by its pathLength, which is not supported: remove that",
+        ),
+        (
+            page(&format!(
+                "<defs><path id=\"p\" pathLength=\"10\" d=\"M0 0H50\" {stroke}/></defs><use href=\"#p\" stroke-dasharray=\"1\"/>"
+            )),
+            "the dashes of a shape without an id have other units by its pathLength",
+        ),
+        (
+            page(&format!(
+                "<g stroke-dasharray=\"1\"><path style=\"vector-effect:non-scaling-stroke\" d=\"M0 0H50\" {stroke}/></g>"
+            )),
+            "the dashes of the path of line 2 have other units by its vector-effect",
         ),
         (
             page(
@@ -281,6 +316,78 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         let (said, code) = beamtick(folder.path(), words);
         assert!(code == 2 && said.contains(says), "{words:?}: {said}");
     }
+}
+
+/// Points of a mark from `from` to `to` along a path, in mm of the machine.
+fn dash(red: bool, [from, to]: [f64; 2], at: &dyn Fn(f64) -> [f64; 2]) -> Mark {
+    let count = ((to - from) / 0.005).ceil();
+    let point = |k: i32| {
+        let [x, y] = at(from + (to - from) * f64::from(k) / count);
+        [x, 100.0 - y]
+    };
+    let points = (0..=count as i32).map(point).collect();
+    Mark { points, red, what: format!("the dash from {from} to {to}"), corners: Vec::new() }
+}
+
+/// Dashes are where their lengths along the path say, in the units of the path.
+#[test]
+fn dashes_are_marked_and_gaps_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    // A line; a corner, stretched, with one length and an offset; a square whose last dash goes on
+    // as its first one; a circle; a circle that is stretched to an ellipse.
+    let svg = page(
+        "<g fill=\"none\"><path d=\"M10 10H41\" stroke=\"#f00\" stroke-dasharray=\"5 2.5\"/>\n\
+         <path transform=\"translate(5 20) scale(2 3)\" style=\"stroke-dasharray: 3; stroke-dashoffset: 1\" d=\"M0 0H6V9\" \
+         stroke=\"#00f\"/>\n\
+         <path d=\"M60 10h10v10h-10z\" stroke=\"#f00\" stroke-dasharray=\"6,4\" stroke-dashoffset=\"3\"/>\n\
+         <circle cx=\"70\" cy=\"70\" r=\"5\" stroke=\"#00f\" stroke-dasharray=\"4 3.9\"/>\n\
+         <circle transform=\"scale(2 1)\" cx=\"15\" cy=\"80\" r=\"4\" stroke=\"#f00\" stroke-dasharray=\"3 20\"/></g>",
+    );
+    let line = |s: f64| [10.0 + s, 10.0];
+    let corner = |s: f64| if s < 6.0 { [5.0 + 2.0 * s, 20.0] } else { [17.0, 20.0 + 3.0 * (s - 6.0)] };
+    let square = |s: f64| match s.rem_euclid(40.0) {
+        s if s < 10.0 => [60.0 + s, 10.0],
+        s if s < 20.0 => [70.0, s],
+        s if s < 30.0 => [90.0 - s, 20.0],
+        s => [60.0, 50.0 - s],
+    };
+    let circle = |s: f64| [70.0 + 5.0 * (s / 5.0).cos(), 70.0 + 5.0 * (s / 5.0).sin()];
+    let ellipse = |s: f64| [30.0 + 8.0 * (s / 4.0).cos(), 80.0 + 4.0 * (s / 4.0).sin()];
+    let mut marks = Vec::new();
+    for (red, at, dashes) in [
+        (
+            true,
+            &line as &dyn Fn(f64) -> [f64; 2],
+            &[[0.0, 5.0], [7.5, 12.5], [15.0, 20.0], [22.5, 27.5], [30.0, 31.0]][..],
+        ),
+        (false, &corner, &[[0.0, 2.0], [5.0, 8.0], [11.0, 14.0]]),
+        (true, &square, &[[7.0, 13.0], [17.0, 23.0], [27.0, 33.0], [37.0, 43.0]]),
+        (false, &circle, &[[0.0, 4.0], [7.9, 11.9], [15.8, 19.8], [23.7, 27.7]]),
+        (true, &ellipse, &[[0.0, 3.0], [23.0, 8.0 * std::f64::consts::PI]]),
+    ] {
+        // The ellipse is open at its begin: its last dash goes on as its first one.
+        match dashes {
+            [first, last] => marks.push(dash(red, [last[0], last[1] + first[1]], at)),
+            dashes => marks.extend(dashes.iter().map(|ends| dash(red, *ends, at))),
+        }
+    }
+    fs::write(folder.path().join("d.svg"), svg).unwrap();
+    let (said, code) =
+        beamtick(folder.path(), &["sim", "d.svg", "--machine", "m.toml", "--trace", "t.csv", "--strict"]);
+    assert!(code == 0 && !said.contains("note:"), "{said}");
+    if let Err(why) = differs(&marks, &rows(&folder.path().join("t.csv"))) {
+        panic!("{why}\n{said}");
+    }
+    // Dots have no length: that is said. Lengths that are all 0 are no dashes, as SVG says.
+    let dots = "<path d=\"M0 0H9\" stroke=\"#f00\" stroke-dasharray=\"0 3 1 3\"/>";
+    let (said, code) = check(folder.path(), &page(dots));
+    let note = "d.svg: note: dots, which are dashes of length 0, are not marked (1)";
+    assert!(code == 0 && said.contains(note) && said.contains("marks of 1.000 mm"), "{said}");
+    let (said, code) = check(folder.path(), &page(&dots.replace("0 3 1 3", "0 0")));
+    assert!(code == 0 && !said.contains("dots") && said.contains("marks of 9.000 mm"), "{said}");
+    let (said, code) = check(folder.path(), &page(&dots.replace("0 3 1 3", "0 3")));
+    assert!(code == 2 && said.contains("there is nothing to mark"), "{said}");
 }
 
 /// What a person would not see in the result is said: layers that take nothing, shapes beside the

@@ -276,7 +276,7 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
         (&["sim", "p.nc", "--machine", "none.toml"], "none.toml: the machine file cannot be read"),
         (
             &["sim", "j.gts", "--machine", "m.toml"],
-            "j.gts: --machine, --layer, --at and --pass-stops are for G-code and drawings",
+            "j.gts: --machine, --laser, --layer, --at and --pass-stops are for G-code and drawings",
         ),
         (&["run", "j.gts"], "--link is missing"),
         (&["import", "p.nc", "--machine", "m.toml", "-o", "m.toml"], "would overwrite a file"),

@@ -21,6 +21,8 @@ enum Fate {
     Configuration,
     /// A part of a machine file.
     Layers,
+    /// The lasers of a machine file without any, and a layer.
+    Lasers,
     /// This test runs it, or all of its page that runs.
     Held(&'static str),
     /// This step of `cargo check-all` or command of xtask does what it says: the text that its
@@ -32,7 +34,7 @@ enum Fate {
     Needs(&'static str),
 }
 
-use Fate::{Configuration, Figure, Held, Inputs, Layers, Needs, Runs, Xtask};
+use Fate::{Configuration, Figure, Held, Inputs, Lasers, Layers, Needs, Runs, Xtask};
 
 /// Page, how a block of it begins, what becomes of it.
 const BLOCKS: &[(&str, &str, Fate)] = &[
@@ -66,6 +68,7 @@ const BLOCKS: &[(&str, &str, Fate)] = &[
     ("docs/json.md", "beamtick info --json", Runs),
     ("docs/laser.md", "", Figure),
     ("docs/machine.md", "beamtick machine new", Runs),
+    ("docs/machine.md", "[lasers.engrave]", Lasers),
     ("docs/machine.md", "[[layers]]", Layers),
     ("docs/monitor.md", "virtual at tcp", Figure),
     ("docs/monitor.md", "beamtick serve", Held("the_block_is_printed_once_beside_the_client_that_commands")),
@@ -225,6 +228,12 @@ fn every_code_block_of_the_pages_is_run() {
                     fs::write(folder.path().join("layers.toml"), machine + &block).unwrap();
                     let (said, code) = beamtick(folder.path(), &["machine", "check", "layers.toml"]);
                     assert!(code == Some(0) && said.contains("layer \"cut\""), "{name}: {said}");
+                }
+                Lasers => {
+                    let machine = fs::read_to_string(folder.path().join("plotter.toml")).unwrap();
+                    fs::write(folder.path().join("lasers.toml"), machine + &block).unwrap();
+                    let (said, code) = beamtick(folder.path(), &["machine", "check", "lasers.toml"]);
+                    assert!(code == Some(0) && said.contains("laser \"cut\", 8 V at 600 mm/min"), "{name}: {said}");
                 }
                 Needs(what) => assert!(!what.is_empty()),
                 Figure => {}

@@ -37,7 +37,10 @@ struct Seat {
     viewer: Box<Viewer>,
     since: Instant,
     waiting: Vec<u8>,
-    /// It has a session.
+    /// It has one of the sessions: an open one, or one that is offered. Who is offered one may take
+    /// it up at any time.
+    holds: bool,
+    /// Its session is open.
     open: bool,
 }
 
@@ -64,10 +67,10 @@ impl Viewers {
         }
         if self.seats.len() >= CONNECTIONS {
             // There is one without a session.
-            let Some(oldest) = self.seats.iter().position(|seat| !seat.open) else { return };
+            let Some(oldest) = self.seats.iter().position(|seat| !seat.holds) else { return };
             self.seats.remove(oldest);
         }
-        self.seats.push(Seat { stream, viewer, since: Instant::now(), waiting: Vec::new(), open: false });
+        self.seats.push(Seat { stream, viewer, since: Instant::now(), waiting: Vec::new(), holds: false, open: false });
     }
 
     /// Moves bytes, and answers at most `reads` reads.
@@ -81,11 +84,11 @@ impl Viewers {
             left -= 1;
             reply(record, out)
         };
-        let mut open = self.count();
+        let mut held = self.seats.iter().filter(|seat| seat.holds).count();
         // Each has its turn to be the first.
         let count = self.seats.len();
         self.seats.rotate_left(count.min(1));
-        self.seats.retain_mut(|seat| seat.turn(now, &mut open, &mut limited));
+        self.seats.retain_mut(|seat| seat.turn(now, &mut held, &mut limited));
     }
 
     /// Says to each what job runs.
@@ -108,7 +111,7 @@ impl Seat {
     fn turn(
         &mut self,
         now: Ns,
-        open: &mut usize,
+        held: &mut usize,
         reply: &mut impl FnMut(&RequestRecord<'_>, &mut ReplyWriter<'_>) -> Answered,
     ) -> bool {
         let mut bytes = [0; PORTION];
@@ -118,16 +121,22 @@ impl Seat {
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
             Err(_) => return false,
         }
-        if !self.open && self.viewer.is_open() {
-            if *open >= VIEWERS {
+        let wants = self.viewer.is_asked() || self.viewer.is_open();
+        if self.holds && !wants {
+            self.holds = false;
+            *held -= 1;
+        } else if !self.holds && wants && *held < VIEWERS {
+            self.holds = true;
+            *held += 1;
+        }
+        if wants && !self.holds {
+            if self.viewer.is_open() {
+                // Nothing was offered here: somebody guessed the session.
                 return false;
             }
-            self.open = true;
-            *open += 1;
-        }
-        if self.viewer.is_asked() && *open >= VIEWERS {
             self.viewer.turn_away();
         }
+        self.open |= self.viewer.is_open();
         self.viewer.answer(reply);
         let lives = match self.open {
             true => self.viewer.silence(now).is_some_and(|silence| silence < SILENT_NS),

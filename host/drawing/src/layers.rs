@@ -43,6 +43,9 @@ pub fn sort(shapes: Vec<Shape>, machine: &Machine) -> Result<Sorted<'_>, String>
     }
     let idle: Vec<&Layer> = found.iter().filter(|(_, shapes)| shapes.is_empty()).map(|(layer, _)| *layer).collect();
     found.retain(|(layer, shapes)| !layer.skip && !shapes.is_empty());
+    if let Some(why) = found.iter().find_map(|(layer, _)| layer.unfit.as_ref()) {
+        return Err(why.clone());
+    }
     found.sort_by_key(|(layer, _)| layer.order);
     if found.is_empty() {
         return Err("there is nothing to mark: no shape has a stroke whose layer is marked".to_owned());

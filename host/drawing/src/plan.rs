@@ -39,6 +39,7 @@ pub fn plan(
     let mut notes: Vec<String> = idle.into_iter().collect();
     for (layer, shapes) in layers {
         plan.writer.check_speed(layer.speed).map_err(|why| format!("layer \"{}\": {why}", layer.name))?;
+        plan.writer.choose(layer.laser);
         let mut at = plan.at;
         let shapes = order(shapes, &mut at);
         let light = match layer.light {

@@ -6,15 +6,16 @@
 //! or an id, and the reason.
 mod check;
 mod clip;
+mod dashes;
 mod places;
 mod warnings;
 
 use crate::fault::Fault;
 use crate::round;
 use crate::shape::{Paint, Piece, Point, Shape, add, minus, scaled, size};
-use std::collections::BTreeMap;
+use kurbo::PathEl;
+use std::collections::{BTreeMap, HashMap};
 use usvg::roxmltree::{self, Document, ParsingOptions};
-use usvg::tiny_skia_path::PathSegment;
 use usvg::{Group, Node, Transform, Tree};
 
 /// mm of a px, 1/96 inch.
@@ -73,7 +74,8 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
         return Err(Fault::whole(wrong.clone()));
     }
     let (width, height) = (f64::from(tree.size().width()), f64::from(tree.size().height()));
-    let mut found = Found { width, height, ..Found::default() };
+    let foreign_dashes = check::foreign_dashes(&document);
+    let mut found = Found { width, height, foreign_dashes, ..Found::default() };
     found.group(tree.root())?;
     let mut notes: Vec<String> = skipped;
     notes.extend(size_note(document.root_element()));
@@ -118,6 +120,10 @@ struct Found {
     passed_over: BTreeMap<&'static str, usize>,
     /// Shapes that are marked and leave the page: how many, and the first.
     beyond: (usize, String),
+    /// Shapes whose dashes have other units, and what says so.
+    foreign_dashes: HashMap<String, &'static str>,
+    /// Dashes so far, at most.
+    dashes: f64,
 }
 
 /// What lies so far outside the page is not taken for outside, px.
@@ -135,6 +141,12 @@ impl Map {
     fn px(&self, [x, y]: Point) -> Point {
         let Map([a, b, c, d, e, f]) = self;
         [a * x + c * y + e, b * x + d * y + f]
+    }
+
+    /// Greatest length that a length of 1 may have, at least.
+    fn scale(&self) -> f64 {
+        let Map([a, b, c, d, ..]) = self;
+        a.hypot(*b).max(c.hypot(*d))
     }
 
     /// What rounding may have moved a point by, px, where coordinates are up to `x` and `y`.
@@ -209,9 +221,27 @@ impl Found {
             let text = format!("the stroke of {place} is a gradient or a pattern: a layer needs one colour");
             return Err(Fault::whole(text));
         };
-        if stroke.dasharray().is_some() {
-            let text = format!("the stroke of {place} is dashed, which is not supported: make paths of the dashes");
-            return Err(Fault::whole(text));
+        let map = Map::of(path.abs_transform());
+        let mut elements = dashes::elements(path.data());
+        if let Some(lengths) = stroke.dasharray() {
+            // What `use` shows has lost its id.
+            let any = self.foreign_dashes.values().next().filter(|_| path.id().is_empty());
+            if let Some(why) = self.foreign_dashes.get(path.id()).or(any) {
+                let text =
+                    format!("the dashes of {place} have other units by its {why}, which is not supported: remove that");
+                return Err(Fault::whole(text));
+            }
+            if lengths.iter().step_by(2).any(|dash| *dash == 0.0) {
+                self.pass("dots, which are dashes of length 0, are not marked");
+            }
+            let pattern = dashes::DashPattern::new(lengths, stroke.dashoffset(), map.scale());
+            self.dashes += pattern.count_max(&elements);
+            if self.dashes > dashes::DASHES_MAX {
+                let most = dashes::DASHES_MAX;
+                let text = format!("with the dashes of {place} there are more than {most}: make them longer");
+                return Err(Fault::whole(text));
+            }
+            elements = pattern.cut(&elements);
         }
         let bounds = path.abs_bounding_box();
         let range = [(bounds.left(), bounds.right(), self.width), (bounds.top(), bounds.bottom(), self.height)];
@@ -225,34 +255,34 @@ impl Found {
             }
         }
         let paint = Paint { colour: [colour.red, colour.green, colour.blue], index: None, layer: None };
-        self.outline(path, &Pen { paint, place });
+        self.outline(path, (&elements, map), &Pen { paint, place });
         Ok(())
     }
 
-    fn outline(&mut self, path: &usvg::Path, pen: &Pen) {
-        let map = Map::of(path.abs_transform());
+    /// What is drawn of a path: all of it, or its dashes.
+    fn outline(&mut self, path: &usvg::Path, (elements, map): (&[PathEl], Map), pen: &Pen) {
         let bounds = path.data().bounds();
         let far = |a: f32, b: f32| f64::from(a.abs().max(b.abs()));
         let noise = map.noise([far(bounds.left(), bounds.right()), far(bounds.top(), bounds.bottom())]);
         let noise = (noise + self.height * ROUNDED) * PX + 1e-9;
         let height = self.height;
-        let mm = |p: usvg::tiny_skia_path::Point| {
-            let [x, y] = map.px([p.x.into(), p.y.into()]);
+        let mm = |p: kurbo::Point| {
+            let [x, y] = map.px([p.x, p.y]);
             [x * PX, (height - y) * PX]
         };
         let mut open: Option<Shape> = None;
         let mut at = [0.0; 2];
-        for segment in path.data().segments() {
+        for element in elements {
             let begin =
                 |start: Point| Shape { start, pieces: Vec::new(), paint: pen.paint.clone(), place: pen.place.clone() };
-            match segment {
-                PathSegment::MoveTo(point) => {
+            match *element {
+                PathEl::MoveTo(point) => {
                     self.finish(open.take(), noise, false);
                     at = mm(point);
                     open = Some(begin(at));
                     continue;
                 }
-                PathSegment::Close => {
+                PathEl::ClosePath => {
                     if let Some(shape) = open.take() {
                         at = shape.start;
                         self.finish(Some(shape), noise, true);
@@ -262,18 +292,18 @@ impl Found {
                 _ => {}
             }
             let shape = open.get_or_insert_with(|| begin(at));
-            let piece = match segment {
-                PathSegment::QuadTo(control, end) => {
+            let piece = match *element {
+                PathEl::QuadTo(control, end) => {
                     let (control, end) = (mm(control), mm(end));
                     let third = |from: Point| add(from, scaled(minus(control, from), 2.0 / 3.0));
                     Piece::Cubic(third(at), third(end), end)
                 }
-                PathSegment::CubicTo(a, b, end) => {
+                PathEl::CurveTo(a, b, end) => {
                     let p = [at, mm(a), mm(b), mm(end)];
                     round::arc(p, noise).unwrap_or(Piece::Cubic(p[1], p[2], p[3]))
                 }
-                PathSegment::LineTo(end) => Piece::Line(mm(end)),
-                PathSegment::MoveTo(_) | PathSegment::Close => continue,
+                PathEl::LineTo(end) => Piece::Line(mm(end)),
+                PathEl::MoveTo(_) | PathEl::ClosePath => continue,
             };
             if piece != Piece::Line(at) {
                 shape.pieces.push(piece);

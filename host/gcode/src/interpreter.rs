@@ -241,12 +241,12 @@ impl<'a> State<'a> {
             note("T is passed over: there are no tools");
         }
         if let Some(spindle) = block.spindle {
-            if spindle != Spindle::Off && self.machine.laser.is_none() {
+            if spindle != Spindle::Off && self.machine.laser().is_none() {
                 return Err("M3 and M4 switch the laser, and the machine file has no [laser]".to_owned());
             }
             self.spindle = spindle;
         }
-        let most = self.machine.laser.as_ref().map_or(f64::INFINITY, |laser| laser.s_max);
+        let most = self.machine.laser().map_or(f64::INFINITY, |laser| laser.s_max);
         if self.spindle != Spindle::Off && to_f64(self.speed) > most {
             note("S is above s_max of the machine file; it is taken as s_max");
         }
@@ -283,7 +283,7 @@ impl<'a> State<'a> {
 
     /// The light of the modal motion.
     fn light(&self) -> Light {
-        let Some(laser) = &self.machine.laser else { return Light::Dark };
+        let Some(laser) = self.machine.laser() else { return Light::Dark };
         if self.speed == 0 || matches!(self.motion, Motion::Rapid | Motion::Off) {
             return Light::Dark;
         }

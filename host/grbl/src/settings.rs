@@ -31,7 +31,7 @@ impl Settings {
         let reversed =
             machine.axes.iter().enumerate().map(|(place, axis)| u8::from(axis.reversed) << place).sum::<u8>();
         let limits = machine.axes.iter().any(|axis| axis.limits != Limits::None);
-        let (s_max, s_min) = machine.laser.as_ref().map_or((0.0, 0.0), |laser| (laser.s_max, 0.0));
+        let (s_max, s_min) = machine.laser().map_or((0.0, 0.0), |laser| (laser.s_max, 0.0));
         let mut list = vec![
             (0, "10".to_owned()),
             (1, "255".to_owned()),
@@ -50,7 +50,7 @@ impl Settings {
             (23, "0".to_owned()),
             (30, format!("{s_max:.0}")),
             (31, format!("{s_min:.0}")),
-            (32, flag(machine.laser.is_some())),
+            (32, flag(machine.laser().is_some())),
         ];
         type Of = fn(&machine::Axis) -> f64;
         let rows: [(u16, Of); 4] = [

@@ -122,7 +122,7 @@ pub fn serve(
         client.call_raw(call)?;
     }
     let axes: Vec<u8> = machine.axes.iter().map(|axis| axis.number).collect();
-    let laser = machine.laser.as_ref().map(|laser| laser.channel);
+    let laser = machine.laser().map(|laser| laser.channel);
     let mut feed = Feed::new(client, &axes, laser, pace)?;
     let first = |call| Entry { call, kind: entry::Kind::Power, planned: 100, counts: true };
     feed.queue(path.into_iter().map(first).collect());

@@ -565,3 +565,33 @@ fn lines_that_come_at_once_are_answered_as_the_path_goes_on() {
     sender.idle();
     assert_eq!(rig.at(), [25_000.0, 0.0]);
 }
+
+/// S sets the laser that is chosen, in its own units; the other one stays dark.
+#[test]
+fn one_of_two_lasers_is_chosen() {
+    let (axes, rest) = MACHINE.split_once("[laser]").unwrap();
+    assert!(rest.contains("[outputs]"));
+    let lasers = "[lasers.engrave]\nchannel = 1\nmode = \"duty\"\ncarrier_khz = 10\npower = [0, 80]\ns_max = 1000\n\
+                  [lasers.cut]\nchannel = 0\nmode = \"analog\"\npower = [0, 10]\ns_max = 255\n";
+    let text = format!("{axes}{lasers}");
+    for (chosen, channel, s_max) in [(None, 1, 1000.0), (Some("engrave"), 1, 1000.0), (Some("cut"), 0, 255.0)] {
+        let rig = Rig::of(machine::Machine::read_for("m.toml", &text, chosen).unwrap());
+        let mut sender = rig.sender();
+        sender.banner();
+        assert!(sender.ok("$$").contains(&format!("$30={s_max:.0}")), "{chosen:?}");
+        sender.ok("$X");
+        sender.ok(&format!("M3 S{} F600 G1 X50", s_max / 2.0));
+        let status = sender.until(|status| {
+            let switches = rig.switches();
+            assert!(!switches[1 - channel], "{chosen:?}");
+            status.at[0] > 5.0
+        });
+        assert!(rig.switches()[channel], "{chosen:?}");
+        assert!((status.speeds().1 - s_max / 2.0).abs() < 1.0, "{chosen:?}: {status:?}");
+        // A reset is dark at once, whichever laser it is.
+        sender.send("\x18");
+        sender.banner();
+        assert_eq!(rig.switches(), [false, false], "{chosen:?}");
+        rig.end();
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! In: the reader at a type or a variable. Out: variables with their values.
 
-use crate::expr::{MATHEMATICS, nearest};
+use crate::expr::{MATHEMATICS, misspelt};
 use crate::read::{C_LIBRARY, Fault, Reader};
 use crate::scan::Kind;
 use crate::value::{Type, Value, Variable};
@@ -74,7 +74,7 @@ impl Reader<'_> {
     pub(crate) fn place_of_value(&mut self) -> Result<(String, usize, Type), Fault> {
         let name = self.advance();
         if !self.variables.contains_key(&name.text) {
-            let near = nearest(&name.text, self.variables.keys().map(String::as_str));
+            let near = misspelt(&name.text, self.variables.keys().map(String::as_str));
             let help = match near[..] {
                 [] => format!("declare it first, as in `double {};`", name.text),
                 _ => format!("did you mean {}?", near.join(" or ")),

@@ -110,7 +110,7 @@ impl Reader<'_> {
             "INFINITY" => Ok(Value::Real(f64::INFINITY)),
             "NULL" => Ok(Value::Int(0)),
             _ => {
-                let near = nearest(
+                let near = misspelt(
                     &name,
                     self.variables.keys().map(String::as_str).chain(api::CONSTANTS.iter().map(|(known, _)| *known)),
                 );
@@ -191,6 +191,16 @@ pub(crate) fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> V
         .collect();
     close.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
     close.into_iter().map(|(_, other)| other).take(3).collect()
+}
+
+/// The names of values that `name` may be meant for. One that only begins alike is another thing:
+/// `axis` is no AXIS_LASER. So at most a third of the letters differ.
+pub(crate) fn misspelt<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Vec<&'n str> {
+    let is_near = |other: &&str| {
+        let longest = name.chars().count().max(other.chars().count());
+        3 * strsim::damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase()) <= longest
+    };
+    nearest(name, known.filter(is_near))
 }
 
 fn real(value: &Value) -> Option<f64> {

@@ -257,6 +257,17 @@ fn macros_are_text() {
     assert_eq!(bad("#define A A\nGT_SetPrfPos(1, A);").2, "`A` is not declared");
 }
 
+/// What is suggested for a name is a misspelling of it, not what begins alike.
+#[test]
+fn a_suggestion_is_near_the_name() {
+    assert!(help("GT_AxisOn(axis);").starts_with("declare it first, as in "), "{}", help("GT_AxisOn(axis);"));
+    assert!(help("short axis1 = 1; GT_AxisOn(axis);").contains("did you mean axis1?"));
+    assert_eq!(help("short axis = 1; GT_AxisOn(axsi);"), "did you mean axis?");
+    assert_eq!(help("GT_SetAxisMode(AXIS_LASR, 1);"), "did you mean AXIS_LASER or AXIS_LASER_EX?");
+    assert_eq!(help("long speed; sped = 5;"), "did you mean speed?");
+    assert!(help("long speed_of_the_second; speed = 5;").starts_with("declare it first"));
+}
+
 #[test]
 fn variables_assignments_and_structs() {
     let text = "long x = 5, y; double d; short a[3] = {1, 2}; d = y = x; x += 2; x *= 3; x -= 1; x /= 2; d += 0.5; a[2] = a[0] + a[1]; x++; --y;\n";

@@ -5,6 +5,7 @@ use crate::layers::{self, LayerKeys};
 use crate::template::written;
 use crate::{Axis, Family, LETTERS, Laser, Limits, Machine, Mode, Outputs, Path, STEP_DECIMALS};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 
@@ -12,6 +13,10 @@ use toml::Spanned;
 const RATE_MAX_PULSES: f64 = 32_767.0;
 /// Axes of the controller that a path may move (SPEC 5).
 const PATH_AXES: RangeInclusive<i64> = 1..=8;
+/// Lasers of a machine: one for each channel of the controller (SPEC 6).
+const LASERS: usize = 2;
+/// Longest name of a laser.
+const NAME_MAX: usize = 32;
 /// Farthest machine position, mm.
 const POSITION_MAX_MM: f64 = 100_000.0;
 
@@ -25,6 +30,7 @@ struct File {
     #[serde(default)]
     axes: Axes,
     laser: Option<Spanned<LaserKeys>>,
+    lasers: Option<Spanned<BTreeMap<String, Spanned<LaserKeys>>>>,
     #[serde(default)]
     path: PathKeys,
     #[serde(default)]
@@ -113,14 +119,18 @@ pub(crate) fn whole(value: &Spanned<i64>, limits: RangeInclusive<i64>, unit: &st
     Err((value.span(), format!("is {got}; it is a whole number from {} to {}{unit}", limits.start(), limits.end())))
 }
 
-pub fn read(name: &str, text: &str) -> Result<Machine, String> {
-    read_as(text, |line, what| format!("{name}:{line}: {what}"))
+pub fn read(name: &str, text: &str, laser: Option<&str>) -> Result<Machine, String> {
+    read_as(text, laser, |line, what| match line {
+        0 => format!("{name}: {what}"),
+        line => format!("{name}:{line}: {what}"),
+    })
 }
 
-/// Reads a text. `shown` makes an error of its line and of what is wrong; that begins with the key.
-pub fn read_as(text: &str, shown: impl Fn(usize, &str) -> String) -> Result<Machine, String> {
+/// Reads a text for the laser that is chosen. `shown` makes an error of its line (0 for an error of
+/// the choice) and of what is wrong; that begins with the key.
+pub fn read_as(text: &str, chosen: Option<&str>, shown: impl Fn(usize, &str) -> String) -> Result<Machine, String> {
     let bare = text.trim_start_matches('\u{feff}');
-    let shown = |span: Range<usize>, message: String| {
+    let fault = |(span, message): Fault| {
         let (line, key) = place(bare, span.start);
         let key = if key.is_empty() { String::new() } else { format!("{key} ") };
         shown(line, &format!("{key}{message}"))
@@ -128,13 +138,84 @@ pub fn read_as(text: &str, shown: impl Fn(usize, &str) -> String) -> Result<Mach
     let file: File = toml::from_str(bare).map_err(|error| {
         let (message, span) = (plain(&error.message().replace('\n', " ")), error.span().unwrap_or(0..0));
         if let Some(at) = open_list(bare, span.start) {
-            return shown(at..at, "has a list that is not closed: `]` is missing".to_owned());
+            return fault((at..at, "has a list that is not closed: `]` is missing".to_owned()));
         }
         let help = nearest_key(&message).or_else(|| written(&place(bare, span.start).1));
         let help = help.unwrap_or_else(|| "docs/machine.md lists the keys".to_owned());
-        shown(span, format!("cannot be read: {message}; {help}"))
+        fault((span, format!("cannot be read: {message}; {help}")))
     })?;
-    checked(&file).map_err(|(span, message)| shown(span, message))
+    let lasers = lasers(&file).map_err(fault)?;
+    let chosen = match chosen {
+        None => 0,
+        Some(name) => named(&lasers, name).map_err(|why| shown(0, &format!("--laser {why}")))?,
+    };
+    let mut machine = checked(&file, lasers).map_err(fault)?;
+    machine.choose(chosen, &file.layers, fault);
+    Ok(machine)
+}
+
+/// The index of the laser of this name.
+///
+/// # Errors
+/// The name, and those that there are.
+pub(crate) fn named(lasers: &[Laser], name: &str) -> Result<usize, String> {
+    let of = |laser: &Laser| laser.name.as_deref() == Some(name);
+    lasers.iter().position(of).ok_or_else(|| {
+        let names: Vec<String> =
+            lasers.iter().flat_map(|laser| &laser.name).map(|name| format!("\"{name}\"")).collect();
+        let known = match (lasers, names.len()) {
+            ([], _) => "the machine file has no laser".to_owned(),
+            (_, 0) => "the machine file has one laser, [laser], which has no name: leave this out".to_owned(),
+            (_, 1) => format!("the only laser is {}", names.concat()),
+            _ => format!("lasers are {}", names.join(" and ")),
+        };
+        format!("is \"{}\"; {known}", name.chars().take(NAME_MAX).collect::<String>())
+    })
+}
+
+/// The lasers of the file, in its order.
+fn lasers(file: &File) -> Result<Vec<Laser>, Fault> {
+    let tables = match (&file.laser, &file.lasers) {
+        (None, None) => Vec::new(),
+        (Some(keys), None) => vec![(None, keys)],
+        (None, Some(tables)) if tables.get_ref().is_empty() => {
+            return Err((
+                tables.span(),
+                "holds no laser; each has a table [lasers.NAME]: add one, or remove this".to_owned(),
+            ));
+        }
+        (None, Some(tables)) => {
+            let mut tables: Vec<_> = tables.get_ref().iter().map(|(name, keys)| (Some(name), keys)).collect();
+            tables.sort_by_key(|(_, keys)| keys.span().start);
+            tables
+        }
+        (Some(keys), Some(_)) => {
+            let message = "stands beside [lasers.NAME]; a machine has one laser, [laser], or named ones: give this one a \
+                           name, as [lasers.NAME], or remove it";
+            return Err((keys.span(), message.to_owned()));
+        }
+    };
+    let mut found: Vec<Laser> = Vec::new();
+    for (name, keys) in tables {
+        if found.len() == LASERS {
+            let message = format!("is one laser too many; a machine has {LASERS}, one for each channel: remove one");
+            return Err((keys.span(), message));
+        }
+        if let Some(name) = name {
+            let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_".contains(letter);
+            if !(1..=NAME_MAX).contains(&name.len()) || !name.chars().all(is_plain) {
+                let message = format!("is no name of a laser; it is 1 to {NAME_MAX} letters, digits, - and _");
+                return Err((keys.span(), message));
+            }
+        }
+        let new = laser(name, keys, file.family)?;
+        if let Some(other) = found.iter().find(|other| other.channel == new.channel) {
+            let message = format!("is {}, as {}.channel; each laser has its own: 0 or 1", new.channel, other.table());
+            return Err((keys.get_ref().channel.span(), message));
+        }
+        found.push(new);
+    }
+    Ok(found)
 }
 
 /// The known key that is nearest to an unknown one, where the reader's message is about one.
@@ -193,7 +274,25 @@ fn place(text: &str, at: usize) -> (usize, String) {
     (line + 1, whole)
 }
 
-fn checked(file: &File) -> Result<Machine, Fault> {
+impl Machine {
+    /// Takes another laser than the first one. Layers that name none are marked by it; one that
+    /// does not suit it says so once it has something to mark.
+    fn choose(&mut self, chosen: usize, keys: &[Spanned<LayerKeys>], shown: impl Fn(Fault) -> String) {
+        if chosen == self.chosen {
+            return;
+        }
+        self.chosen = chosen;
+        for (place, (layer, keys)) in self.layers.iter_mut().zip(keys).enumerate() {
+            match layers::checked(keys, (&self.lasers, chosen), place) {
+                Ok(new) => *layer = new,
+                Err(fault) => layer.unfit = Some(shown(fault)),
+            }
+        }
+    }
+}
+
+/// The machine of a file whose lasers are read; the first one is chosen.
+fn checked(file: &File, lasers: Vec<Laser>) -> Result<Machine, Fault> {
     if let Some(keys) = &file.axes.a {
         let message = "is a fourth axis; G-code and drawings move X, Y and Z only: remove this table".to_owned();
         return Err((keys.span(), message));
@@ -236,11 +335,12 @@ fn checked(file: &File) -> Result<Machine, Fault> {
         value.as_ref().map(|value| whole(value, 1..=16, "(a general output)").map(|number| number as u8)).transpose()
     };
     let outputs = Outputs { mist: output(&file.outputs.mist)?, flood: output(&file.outputs.flood)? };
-    let laser = file.laser.as_ref().map(|keys| laser(keys, file.family)).transpose()?;
-    if let (Some(laser), Family::Gus) = (&laser, file.family) {
+    for laser in lasers.iter().filter(|laser| file.family == Family::Gus && laser.mode != Mode::Analog) {
         let taken = 7 + laser.channel;
-        if laser.mode != Mode::Analog && axes.iter().any(|axis| axis.number == taken) {
-            let span = file.laser.as_ref().map_or(0..0, |keys| keys.get_ref().channel.span());
+        if axes.iter().any(|axis| axis.number == taken) {
+            let tables = file.lasers.as_ref().map(Spanned::get_ref);
+            let named = laser.name.as_ref().and_then(|name| tables?.get(name));
+            let span = named.or(file.laser.as_ref()).map_or(0..0, |keys| keys.get_ref().channel.span());
             let message = format!(
                 "is {}: in family gus it uses the connector of axis {taken}, which drives an axis; \
                  give the axis another number, or take another channel",
@@ -251,9 +351,9 @@ fn checked(file: &File) -> Result<Machine, Fault> {
     }
     let mut layers = Vec::new();
     for keys in &file.layers {
-        layers.push(layers::checked(keys, laser.as_ref(), layers.len())?);
+        layers.push(layers::checked(keys, (&lasers, 0), layers.len())?);
     }
-    Ok(Machine { family: file.family, link, axes, laser, path, outputs, layers })
+    Ok(Machine { family: file.family, link, axes, lasers, chosen: 0, path, outputs, layers })
 }
 
 /// The parser's words, with its names of types as people say them.
@@ -324,7 +424,7 @@ fn axis(letter: char, keys: &AxisKeys, others: &[Axis]) -> Result<Axis, Fault> {
     Ok(axis)
 }
 
-fn laser(spanned: &Spanned<LaserKeys>, family: Family) -> Result<Laser, Fault> {
+fn laser(name: Option<&String>, spanned: &Spanned<LaserKeys>, family: Family) -> Result<Laser, Fault> {
     let keys = spanned.get_ref();
     let channel = whole(&keys.channel, 0..=1, "")? as u8;
     let missing = |key: &str, why: &str| (spanned.span(), format!("has no {key}; {why}"));
@@ -366,8 +466,8 @@ fn laser(spanned: &Spanned<LaserKeys>, family: Family) -> Result<Laser, Fault> {
     let s_max = within(&keys.s_max, 0.001..=1e6, "")?;
     let delay = |value: &Option<Spanned<f64>>| value.as_ref().map_or(Ok(0), |value| microseconds(value, 0..=65_535));
     let (on_delay_us, off_delay_us) = (delay(&keys.on_delay_us)?, delay(&keys.off_delay_us)?);
-    let mode = keys.mode;
-    Ok(Laser { channel, mode, carrier_khz, pulse_width_us, power, s_max, on_delay_us, off_delay_us })
+    let (name, mode) = (name.cloned(), keys.mode);
+    Ok(Laser { name, channel, mode, carrier_khz, pulse_width_us, power, s_max, on_delay_us, off_delay_us })
 }
 
 /// Whole microseconds, which may be written as 5 or as 5.0.

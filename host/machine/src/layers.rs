@@ -2,7 +2,7 @@
 //!
 //! In: `[[layers]]` of a machine file, or `KEY=VALUE,…` of the command line. Out: a [`Layer`].
 //! Fails with key and limit.
-use crate::file::{Fault, nearest_key, whole, within};
+use crate::file::{Fault, named, nearest_key, whole, within};
 use crate::{Laser, Machine};
 use serde::Deserialize;
 use toml::Spanned;
@@ -39,6 +39,10 @@ pub struct Layer {
     pub colour: Option<Colour>,
     /// The layer of the drawing whose strokes it takes; without one, of all.
     pub drawing_layer: Option<String>,
+    /// The laser that marks: an index of those of the machine.
+    pub laser: usize,
+    /// Why it cannot be marked by the laser that was chosen: file, line, key, limit.
+    pub unfit: Option<String>,
     /// Power at `speed`, in the laser's unit; 0 without light.
     pub power: f64,
     /// mm/min.
@@ -59,6 +63,7 @@ pub(crate) struct LayerKeys {
     name: Option<String>,
     colour: Option<Spanned<toml::Value>>,
     layer: Option<String>,
+    laser: Option<Spanned<String>>,
     power: Option<Spanned<f64>>,
     speed: Option<Spanned<f64>>,
     #[serde(default)]
@@ -69,15 +74,24 @@ pub(crate) struct LayerKeys {
     skip: bool,
 }
 
-/// A layer after `before` others.
-pub(crate) fn checked(spanned: &Spanned<LayerKeys>, laser: Option<&Laser>, before: usize) -> Result<Layer, Fault> {
+/// A layer after `before` others; `chosen` is the laser of those that name none.
+pub(crate) fn checked(
+    spanned: &Spanned<LayerKeys>,
+    (lasers, chosen): (&[Laser], usize),
+    before: usize,
+) -> Result<Layer, Fault> {
     let keys = spanned.get_ref();
+    let index = match &keys.laser {
+        None => chosen,
+        Some(name) => named(lasers, name.get_ref()).map_err(|why| (name.span(), why))?,
+    };
+    let laser = lasers.get(index);
     let missing = |key: &str| (spanned.span(), format!("has no {key}; a layer needs power and speed, or skip = true"));
     let power = match (&keys.power, laser) {
         (None, _) if keys.skip => 0.0,
         (None, _) => return Err(missing("power")),
         (Some(value), Some(laser)) => {
-            let unit = format!("{} (laser.power)", laser.unit());
+            let unit = format!("{} ({}.power)", laser.unit(), laser.table());
             within(value, 0.0..=laser.power.1, &unit)?
         }
         (Some(value), None) if *value.get_ref() == 0.0 => 0.0,
@@ -96,6 +110,8 @@ pub(crate) fn checked(spanned: &Spanned<LayerKeys>, laser: Option<&Laser>, befor
         name: keys.name.clone().unwrap_or_else(|| format!("layer {}", before + 1)),
         colour,
         drawing_layer: keys.layer.clone(),
+        laser: index,
+        unfit: None,
         power,
         speed,
         light: keys.light,
@@ -153,7 +169,8 @@ impl Layer {
 }
 
 /// A line for the user.
-pub(crate) fn show(layer: &Layer, laser: Option<&Laser>) -> String {
+pub(crate) fn show(layer: &Layer, machine: &Machine) -> String {
+    let laser = machine.lasers.get(layer.laser);
     let what = layer.takes();
     if layer.skip {
         return format!("layer \"{}\": {what} are not marked\n", layer.name);
@@ -163,8 +180,9 @@ pub(crate) fn show(layer: &Layer, laser: Option<&Laser>) -> String {
         Shine::Constant => "power is constant",
     };
     format!(
-        "layer \"{}\": {what}, {} {} at {} mm/min, {light}; {} pass{}, order {}\n",
+        "layer \"{}\": {what}{}, {} {} at {} mm/min, {light}; {} pass{}, order {}\n",
         layer.name,
+        laser.and_then(|laser| laser.name.as_ref()).map_or_else(String::new, |name| format!(", laser \"{name}\"")),
         layer.power,
         laser.map_or("", Laser::unit),
         layer.speed,
@@ -182,6 +200,7 @@ fn typed(key: &str, value: &str) -> Result<toml::Value, String> {
         "passes" | "order" => "a whole number",
         "skip" => "true or false",
         "light" => "follow or constant",
+        "laser" => "the name of a laser of the machine file",
         _ => "#rrggbb, or a number of AutoCAD from 1 to 255",
     };
     let text = toml::Value::String(value.to_owned());
@@ -222,7 +241,7 @@ pub(crate) fn given(text: &str, machine: &Machine) -> Result<Layer, String> {
         shown(format!("{message}{help}"))
     })?;
     let spanned = Spanned::new(0..0, keys);
-    checked(&spanned, machine.laser.as_ref(), 0).map_err(|(span, why)| {
+    checked(&spanned, (&machine.lasers, machine.chosen), 0).map_err(|(span, why)| {
         let line = toml.get(..span.start).unwrap_or("").rsplit('\n').next().unwrap_or("");
         let key = line.split('=').next().unwrap_or("").trim();
         shown(format!("{} {why}", if key.is_empty() { "it" } else { key }))

@@ -28,8 +28,10 @@ pub struct Machine {
     pub link: Option<String>,
     /// X, Y and, where the machine has it, Z.
     pub axes: Vec<Axis>,
-    /// The laser, where there is one.
-    pub laser: Option<Laser>,
+    /// Its lasers, in the order of the file: none, one, or two.
+    pub lasers: Vec<Laser>,
+    /// The laser of G-code, and of layers that name none: an index of `lasers`.
+    pub chosen: usize,
     /// How corners and curves are run.
     pub path: Path,
     /// General outputs for M7 and M8.
@@ -104,6 +106,8 @@ pub enum Mode {
 /// The laser.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laser {
+    /// Its name, if the file gives it one: `cut` of `[lasers.cut]`.
+    pub name: Option<String>,
     /// Channel of the controller, 0 or 1.
     pub channel: u8,
     /// How its energy is set.
@@ -152,7 +156,15 @@ impl Machine {
     /// # Errors
     /// What is wrong: file, line, key, limit, and what to do.
     pub fn read(name: &str, text: &str) -> Result<Machine, String> {
-        file::read(name, text)
+        file::read(name, text, None)
+    }
+
+    /// The same. G-code, and layers that name no laser, take `laser` instead of the first one.
+    ///
+    /// # Errors
+    /// As [`Machine::read`]; there is no laser of that name.
+    pub fn read_for(name: &str, text: &str, laser: Option<&str>) -> Result<Machine, String> {
+        file::read(name, text, laser)
     }
 
     /// Layers from `KEY=VALUE,KEY=VALUE` go before those of the file.
@@ -164,6 +176,11 @@ impl Machine {
         all.append(&mut self.layers);
         self.layers = all;
         Ok(())
+    }
+
+    /// The laser of G-code, and of layers that name none.
+    pub fn laser(&self) -> Option<&Laser> {
+        self.lasers.get(self.chosen)
     }
 
     /// The axis of this letter.
@@ -185,6 +202,11 @@ impl Axis {
 }
 
 impl Laser {
+    /// Its table of the file.
+    pub fn table(&self) -> String {
+        self.name.as_ref().map_or_else(|| "laser".to_owned(), |name| format!("lasers.{name}"))
+    }
+
     /// The unit of its powers.
     pub fn unit(&self) -> &'static str {
         match self.mode {

@@ -32,20 +32,31 @@ pub fn show(machine: &Machine) -> String {
             if axis.alarm { "drive alarm in use" } else { "no drive alarm" }
         );
     }
-    match &machine.laser {
-        None => text += "no laser\n",
-        Some(laser) => {
-            let unit = laser.unit();
-            let how = match laser.mode {
-                Mode::Duty => format!("duty of a carrier of {} kHz", laser.carrier_khz),
-                Mode::Frequency => format!("rate of pulses of {} µs", laser.pulse_width_us),
-                Mode::Analog => "voltage".to_owned(),
-            };
-            text += &format!(
-                "laser: channel {}, {how}; S0 is dark, S above it {} to {} {unit} (S{}); delays on {} µs, off {} µs\n",
-                laser.channel, laser.power.0, laser.power.1, laser.s_max, laser.on_delay_us, laser.off_delay_us
-            );
-        }
+    if machine.lasers.is_empty() {
+        text += "no laser\n";
+    }
+    for (index, laser) in machine.lasers.iter().enumerate() {
+        let unit = laser.unit();
+        let how = match laser.mode {
+            Mode::Duty => format!("duty of a carrier of {} kHz", laser.carrier_khz),
+            Mode::Frequency => format!("rate of pulses of {} µs", laser.pulse_width_us),
+            Mode::Analog => "voltage".to_owned(),
+        };
+        text += &format!(
+            "laser{}: channel {}, {how}; S0 is dark, S above it {} to {} {unit} (S{}); delays on {} µs, off {} µs{}\n",
+            laser.name.as_ref().map_or_else(String::new, |name| format!(" \"{name}\"")),
+            laser.channel,
+            laser.power.0,
+            laser.power.1,
+            laser.s_max,
+            laser.on_delay_us,
+            laser.off_delay_us,
+            if machine.lasers.len() > 1 && index == machine.chosen {
+                "; G-code and layers that name none take it"
+            } else {
+                ""
+            }
+        );
     }
     text += &format!(
         "corners within {} mm, curves within {} mm; family {}; board {}\n",
@@ -58,7 +69,7 @@ pub fn show(machine: &Machine) -> String {
         machine.link.as_deref().unwrap_or("virtual")
     );
     for layer in &machine.layers {
-        text += &layers::show(layer, machine.laser.as_ref());
+        text += &layers::show(layer, machine);
     }
     let output = |name: &str, output: Option<u8>| output.map(|number| format!("{name} switches output {number}\n"));
     text + &output("M7", machine.outputs.mist).unwrap_or_default()

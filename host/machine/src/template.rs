@@ -102,6 +102,8 @@ pub(crate) fn written(key: &str) -> Option<String> {
         "path" => &PATH,
         "outputs" => &OUTPUTS,
         _ if table.starts_with("axes.") => &AXIS,
+        _ if table.starts_with("lasers.") => &LASER,
+        "lasers" => return Some("a laser has a table with its name, as [lasers.cut]".to_owned()),
         _ => return None,
     };
     let (_, meaning, usual) = rows.iter().find(|(known, ..)| *known == name)?;
@@ -164,6 +166,6 @@ pub fn write(questions: &[Question]) -> Result<(String, Machine), String> {
         text += &format!("{line:<28}# {}\n", question.meaning);
     }
     text += LAYERS;
-    let machine = file::read_as(&text, |_, what| what.to_owned())?;
+    let machine = file::read_as(&text, None, |_, what| what.to_owned())?;
     Ok((text, machine))
 }

@@ -110,7 +110,7 @@ fn an_error_names_line_and_key() {
     };
     let good = "number = 2\nsteps_per_mm = 80\ntravel = [\n  0,\n  100\n]\nmax_rate = 6000\nacceleration = 500";
     let machine = Machine::read("m.toml", &file(good)).unwrap();
-    assert_eq!((machine.axes.len(), machine.laser, machine.axes[1].travel), (2, None, (0.0, 100.0)));
+    assert_eq!((machine.axes.len(), machine.laser(), machine.axes[1].travel), (2, None, (0.0, 100.0)));
     let cases = [
         (good.replace("number = 2", "number = 2\nspeed = 4"), "m.toml:11: axes.y.speed cannot be read: unknown field"),
         (
@@ -227,10 +227,10 @@ fn modes_need_what_is_theirs() {
         Machine::read("m.toml", &text)
     };
     let pulses = "channel = 0\nmode = \"frequency\"\npulse_width_us = 4\npower = [0, 20]\ns_max = 255\n";
-    let found = laser(pulses, "gus", 2).unwrap().laser.unwrap();
+    let found = laser(pulses, "gus", 2).unwrap().lasers.remove(0);
     assert_eq!((found.mode, found.pulse_width_us, found.power, found.unit()), (Mode::Frequency, 4, (0.0, 20.0), "kHz"));
     let volts = "channel = 1\nmode = \"analog\"\npower = [0, 5]\ns_max = 255\n";
-    assert_eq!(laser(volts, "gus", 8).unwrap().laser.unwrap().unit(), "V");
+    assert_eq!(laser(volts, "gus", 8).unwrap().lasers.remove(0).unit(), "V");
     for (lines, family, number, says) in [
         (
             pulses.replace("pulse_width_us = 4\n", ""),
@@ -295,4 +295,101 @@ fn layers_are_checked_and_an_unknown_key_names_the_nearest() {
     let machine = with("colour = \"#a0f\"\n[[layers]]\ncolour = 30\nlayer = \"CUT\"\nskip = true").0.unwrap();
     assert_eq!(machine.layers[0].colour, Some(machine::Colour::Rgb([0xaa, 0, 0xff])));
     assert_eq!((machine.layers[1].colour, machine.layers[1].skip), (Some(machine::Colour::Index(30)), true));
+}
+
+#[test]
+fn two_lasers_have_names_and_a_channel_each() {
+    let axis = |letter: char, number: u8| {
+        format!(
+            "[axes.{letter}]\nnumber = {number}\nsteps_per_mm = 80\ntravel = [0, 9]\nmax_rate = 60\nacceleration = 5\n"
+        )
+    };
+    let laser = |table: &str, channel: u8, mode: &str| {
+        let carrier = if mode == "duty" { "carrier_khz = 10\n" } else { "" };
+        format!("[{table}]\nchannel = {channel}\nmode = \"{mode}\"\n{carrier}power = [0, 10]\ns_max = 255\n")
+    };
+    let file = |tables: &[String]| axis('x', 1) + &axis('y', 2) + &tables.concat();
+    // Twelve lines of axes, then six or five of each laser.
+    let (zebra, ant) = (laser("lasers.zebra", 1, "duty"), laser("lasers.ant", 0, "analog"));
+    let both = file(&[zebra.clone(), ant.clone()]);
+    let machine = Machine::read("m.toml", &both).unwrap();
+    let named = |machine: &Machine| machine.laser().unwrap().name.clone().unwrap();
+    assert_eq!((machine.lasers.len(), named(&machine).as_str()), (2, "zebra"), "the first of the file");
+    assert_eq!(named(&Machine::read_for("m.toml", &both, Some("ant")).unwrap()), "ant");
+    // In one table, too.
+    let inline = file(&["[lasers]\nzebra = { channel = 1, mode = \"analog\", power = [0, 9], s_max = 1 }\n\
+                        ant = { channel = 0, mode = \"analog\", power = [0, 9], s_max = 1 }\n"
+        .to_owned()]);
+    assert_eq!(named(&Machine::read("m.toml", &inline).unwrap()), "zebra");
+    // One laser may have a name, and layers may say it.
+    let layer = |lines: &str| format!("[[layers]]\npower = 9\nspeed = 6\n{lines}\n");
+    let one = file(&[zebra.clone(), layer("laser = \"zebra\"")]);
+    assert_eq!(Machine::read("m.toml", &one).unwrap().layers[0].laser, 0);
+    let machine = Machine::read("m.toml", &(both.clone() + &layer("") + &layer("laser = \"ant\""))).unwrap();
+    assert_eq!([machine.layers[0].laser, machine.layers[1].laser], [0, 1]);
+    let shown = machine::show(&machine);
+    assert!(shown.contains("laser \"zebra\": channel 1, duty") && shown.contains("laser \"ant\": channel 0, voltage"));
+    assert!(shown.contains("laser \"ant\", 9 V at 6 mm/min"), "{shown}");
+    let cases = [
+        (
+            file(&[zebra.clone(), laser("laser", 0, "analog")]),
+            "m.toml:19: laser stands beside [lasers.NAME]; a machine has one laser, [laser], or named ones: give this one \
+             a name, as [lasers.NAME], or remove it",
+        ),
+        (
+            file(&[zebra.clone(), laser("lasers.ant", 1, "analog")]),
+            "m.toml:20: lasers.ant.channel is 1, as lasers.zebra.channel; each laser has its own: 0 or 1",
+        ),
+        (
+            file(&[zebra.clone(), ant.clone(), laser("lasers.bee", 0, "analog")]),
+            "m.toml:24: lasers.bee is one laser too many; a machine has 2, one for each channel: remove one",
+        ),
+        (file(&["[lasers]\n".to_owned()]), "m.toml:13: lasers holds no laser; each has a table [lasers.NAME]"),
+        (
+            file(&["[lasers]\nchannel = 0\n".to_owned()]),
+            "m.toml:14: lasers.channel cannot be read: invalid type: integer `0`, expected the table LaserKeys; a laser \
+             has a table with its name, as [lasers.cut]",
+        ),
+        (
+            file(&[laser("lasers.\"a b\"", 0, "analog")]),
+            "m.toml:13: lasers.\"a b\" is no name of a laser; it is 1 to 32 letters, digits, - and _",
+        ),
+        (
+            file(&[laser("lasers.ant", 2, "analog")]),
+            "m.toml:14: lasers.ant.channel is 2; it is a whole number from 0 to 1",
+        ),
+        (file(&[ant.replace("power = [0, 10]", "power = [0, 11]")]), "m.toml:16: lasers.ant.power is [0, 11]; it is"),
+        (file(&[ant.replace("s_max", "smax")]), "m.toml:17: lasers.ant.smax cannot be read: unknown field `smax`"),
+        (
+            both.clone() + &layer("laser = \"bee\""),
+            "m.toml:27: layers.laser is \"bee\"; lasers are \"zebra\" and \"ant\"",
+        ),
+        (
+            file(&[zebra.clone(), layer("laser = \"bee\"")]),
+            "m.toml:22: layers.laser is \"bee\"; the only laser is \"zebra\"",
+        ),
+        (
+            file(&[laser("laser", 0, "duty"), layer("laser = \"bee\"")]),
+            "m.toml:22: layers.laser is \"bee\"; the machine file has one laser, [laser], which has no name: leave this out",
+        ),
+        (
+            file(&[layer("laser = \"bee\"").replace("9", "0")]),
+            "m.toml:16: layers.laser is \"bee\"; the machine file has no laser",
+        ),
+        (
+            both.clone() + &layer("laser = \"ant\"").replace("9", "11"),
+            "m.toml:25: layers.power is 11; it is 0 to 10 V (lasers.ant.power)",
+        ),
+        (
+            file(&[zebra.replace("channel = 1", "channel = 0"), ant.replace("channel = 0", "channel = 1")])
+                .replace("number = 2", "number = 7"),
+            "m.toml:14: lasers.zebra.channel is 0: in family gus it uses the connector of axis 7",
+        ),
+    ];
+    for (text, says) in cases {
+        let error = Machine::read("m.toml", &text).unwrap_err();
+        assert!(error.starts_with(says), "{says}\n{error}");
+    }
+    let error = Machine::read_for("m.toml", &both, Some("bee")).unwrap_err();
+    assert_eq!(error, "m.toml: --laser is \"bee\"; lasers are \"zebra\" and \"ant\"");
 }

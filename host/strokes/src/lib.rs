@@ -17,8 +17,9 @@ mod writer;
 use std::fmt;
 pub use writer::{Light, Mark, Shape, Stroke, Writer};
 
-/// Where the path goes, mm, and whether it may be lit on the way there: for pictures.
-pub type Watch<'a> = &'a mut dyn FnMut([f64; 3], bool);
+/// Where the path goes, mm, and which laser of the machine may be lit on the way there: for
+/// pictures.
+pub type Watch<'a> = &'a mut dyn FnMut([f64; 3], Option<usize>);
 
 /// The first words of every job that is made here.
 pub const MARK: &str = "// Imported by beamtick";
@@ -43,6 +44,8 @@ pub struct Extent {
     pub marks: Vec<(char, f64, f64)>,
     /// Length of the path, mm, and of what may be lit.
     pub length: (f64, f64),
+    /// Of a machine with named lasers: each with the length that it may light, mm.
+    pub lasers: Vec<(String, f64)>,
     /// The time that the path takes, s, as the controller's look-ahead plans it; none if nobody
     /// asked for it.
     pub seconds: Option<f64>,
@@ -65,6 +68,10 @@ impl fmt::Display for Extent {
         match self.marks[..] {
             [] => write!(f, "no marks")?,
             _ => write!(f, "marks of {:.3} mm, {} mm", self.length.1, list(&self.marks))?,
+        }
+        let lasers = self.lasers.iter().filter(|_| !self.marks.is_empty());
+        for (place, (name, length)) in lasers.enumerate() {
+            write!(f, "{} laser {name} {length:.3} mm", if place == 0 { ":" } else { "," })?;
         }
         match self.seconds {
             None => Ok(()),

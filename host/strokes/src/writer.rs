@@ -78,6 +78,8 @@ pub struct Writer<'a> {
     scales: Vec<Scale>,
     text: String,
     at: [i64; 3],
+    /// The laser that marks, of those of the machine; `power` is its.
+    laser: usize,
     power: Option<Power>,
     entries: usize,
     started: bool,
@@ -87,6 +89,8 @@ pub struct Writer<'a> {
     /// Of everything, and of marks: least and greatest of each axis, mm, and length.
     covered: [Option<[(f64, f64); 3]>; 2],
     length: [f64; 2],
+    /// Lengths of marks, of each laser.
+    marked: Vec<f64>,
     /// None if nobody asks for it: it takes as long as all else.
     time: Option<Estimate>,
     /// The first mark with power in proportion to a speed that the machine does not reach there.
@@ -136,6 +140,7 @@ impl<'a> Writer<'a> {
             scales,
             text,
             at,
+            laser: machine.chosen,
             power: None,
             entries: 0,
             started: false,
@@ -143,6 +148,7 @@ impl<'a> Writer<'a> {
             rapid: 1.0,
             covered: [None; 2],
             length: [0.0; 2],
+            marked: vec![0.0; machine.lasers.len()],
             time: Some(Estimate::new(machine, at, corner_ms(machine))),
             hasty: None,
             watch: None,
@@ -208,13 +214,16 @@ impl<'a> Writer<'a> {
         let time = corner_ms(machine);
         let most = machine.axes.iter().map(machine::Axis::pulse_acceleration).fold(0.0, f64::max);
         self.put(format_args!("GT_InitLookAhead(1, 0, {time}, {most}, {LOOK_AHEAD});\n"));
-        if let Some(laser) = &machine.laser {
+        for laser in &machine.lasers {
             self.begin_laser(laser);
         }
     }
 
     fn begin_laser(&mut self, laser: &Laser) {
         let channel = laser.channel;
+        if let Some(name) = &laser.name {
+            self.put(format_args!("// Laser {name}:\n"));
+        }
         let mode = match laser.mode {
             Mode::Duty => 0,
             Mode::Frequency => 1,
@@ -231,6 +240,9 @@ impl<'a> Writer<'a> {
             Mode::Analog => {}
         }
         self.put(format_args!("GT_SetLevelDelay({}, {}, {channel});\n", laser.off_delay_us, laser.on_delay_us));
+        if self.machine.lasers.len() > 1 {
+            self.put(format_args!("GT_LaserOff({channel});\n"));
+        }
         self.put(format_args!("GT_BufLaserFollowMode(1, 0, 0, {channel});\n"));
         self.entries += 1;
     }
@@ -244,9 +256,17 @@ impl<'a> Writer<'a> {
         }
     }
 
+    /// From here on this laser of the machine marks; the one before is dark.
+    pub fn choose(&mut self, laser: usize) {
+        if laser != self.laser {
+            self.light(None);
+            self.laser = laser;
+        }
+    }
+
     /// Sets the light from here on.
     fn light(&mut self, want: Option<Power>) {
-        let Some(laser) = &self.machine.laser else { return };
+        let Some(laser) = self.machine.lasers.get(self.laser) else { return };
         let (channel, lsr) = (laser.channel, self.machine.family == Family::Lsr);
         if want == self.power {
             return;
@@ -306,14 +326,14 @@ impl<'a> Writer<'a> {
 
     /// Shows from here on where the path goes.
     pub fn watched(&mut self, watch: Watch<'a>) {
-        watch([0, 1, 2].map(|axis| self.machine.axes.get(axis).map_or(0.0, |axis| axis.home)), false);
+        watch([0, 1, 2].map(|axis| self.machine.axes.get(axis).map_or(0.0, |axis| axis.home)), None);
         self.watch = Some(watch);
     }
 
     /// Shows a motion, as lines.
     pub fn show(&mut self, stroke: &Stroke) {
         let Some(watch) = &mut self.watch else { return };
-        let lit = stroke.light != Light::Dark;
+        let lit = (stroke.light != Light::Dark).then_some(self.laser);
         if let Shape::Arc { axes: [a, b, across], arc } = &stroke.shape {
             let rise = to_f64(stroke.to[*across] - stroke.from[*across]);
             let parts = arc.parts(PICTURE.min(arc.radius() / 1000.0)).min(1000);
@@ -342,7 +362,9 @@ impl<'a> Writer<'a> {
         };
         let [all, marks] = self.covered.map(rows);
         let seconds = self.time.as_mut().map(|time| time.total() / 1000.0);
-        Extent { all, marks, length: (self.length[0], self.length[1]), seconds }
+        let lasers = self.machine.lasers.iter().zip(&self.marked);
+        let lasers = lasers.filter_map(|(laser, length)| Some((laser.name.clone()?, *length))).collect();
+        Extent { all, marks, length: (self.length[0], self.length[1]), lasers, seconds }
     }
 
     fn cover(&mut self, stroke: &Stroke) {
@@ -361,6 +383,9 @@ impl<'a> Writer<'a> {
                 *covered = (covered.0.min(end.0), covered.1.max(end.1));
             }
             self.length[part] += length;
+        }
+        if let Some(marked) = self.marked.get_mut(self.laser).filter(|_| stroke.light != Light::Dark) {
+            *marked += length;
         }
     }
 
@@ -467,7 +492,7 @@ impl<'a> Writer<'a> {
             (Light::Dark, _) | (Light::Follow(_), None) => None,
             (Light::Constant(power), _) => Some(Power::Constant(power)),
             (Light::Follow(most), Some(speed)) => {
-                let full = self.machine.laser.as_ref().map_or(most, |laser| laser.power.1);
+                let full = self.machine.lasers.get(self.laser).map_or(most, |laser| laser.power.1);
                 // Faster than F, the power of a mm stays.
                 let (ratio, most) = (most / (speed / 60_000.0 * per_mm), (most * self.feed).min(full));
                 Some(Power::Follow { ratio, most })
@@ -594,6 +619,11 @@ impl<'a> Writer<'a> {
     /// The job, as far as it was not taken.
     pub fn finish(mut self) -> String {
         self.light(None);
+        if self.machine.lasers.len() > 1 {
+            for laser in &self.machine.lasers {
+                let _ = writeln!(self.text, "GT_BufLaserOff(1, 0, {});", laser.channel);
+            }
+        }
         self.text.push_str("GT_CrdData(1, NULL, 0);\n");
         if !self.started {
             self.text.push_str("GT_CrdStart(1, 0);\n");

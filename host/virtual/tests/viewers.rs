@@ -312,6 +312,47 @@ fn a_viewer_does_not_get_the_session_that_commands() {
     opened(&served, false).unwrap().call(GetClock {}).unwrap();
 }
 
+/// All ask before anybody has confirmed a session: that is decided where a session is offered.
+#[test]
+fn one_more_that_comes_at_once_is_told_why() {
+    let served = served();
+    let mut viewers: Vec<Raw> = (0..=VIEWERS).map(|_| Raw::connect(&served)).collect();
+    {
+        // The controller takes no turn until all have asked.
+        let _held = served.board().lock().unwrap_or_else(PoisonError::into_inner);
+        for (viewer, nonce) in viewers.iter_mut().zip(70..) {
+            let now = viewer.now();
+            viewer.end.open_read_only(now, nonce);
+            assert!(viewer.pump());
+        }
+    }
+    let began = Instant::now();
+    while viewers.iter().any(|viewer| viewer.end.state() == LinkState::Opening) {
+        for (number, viewer) in viewers.iter_mut().enumerate() {
+            assert!(viewer.pump(), "connection {number} was closed in {:?}", viewer.end.state());
+        }
+        assert!(began.elapsed() < PATIENCE);
+    }
+    let open = viewers.iter().filter(|viewer| viewer.end.state() == LinkState::Open).count();
+    let told = viewers.iter().filter(|viewer| match viewer.end.state() {
+        LinkState::Busy(busy) => busy.holder() == b"enough viewers are here",
+        _ => false,
+    });
+    assert_eq!((open, told.count()), (VIEWERS, 1));
+    // A session that is offered and never taken up is free again after a while.
+    drop(viewers);
+    let mut asked: Vec<Raw> = (0..VIEWERS).map(|_| Raw::connect(&served)).collect();
+    for (viewer, nonce) in asked.iter_mut().zip(170..) {
+        let now = viewer.now();
+        viewer.end.open_read_only(now, nonce);
+        assert!(viewer.pump());
+    }
+    let began = Instant::now();
+    while let Err(error) = opened(&served, true) {
+        assert!(began.elapsed() < PATIENCE, "{error}");
+    }
+}
+
 #[test]
 fn so_many_viewers_and_no_more() {
     let served = served();

@@ -46,7 +46,12 @@ impl Program {
                 "{name}: monitor runs G-code, named .nc, .gcode, .ngc or .tap; `beamtick run` runs drawings and jobs"
             )));
         }
-        let drawing = Drawing { machine: arguments.machine.clone(), pass_stops: true, ..Drawing::default() };
+        let drawing = Drawing {
+            machine: arguments.machine.clone(),
+            laser: arguments.laser.clone(),
+            pass_stops: true,
+            ..Drawing::default()
+        };
         let found = import::job(path, &drawing, None, true)?;
         let bytes = input::read(path, input::Role::Job)
             .map_err(|error| Failure::Input(format!("{name}: the program cannot be read: {error}")))?;

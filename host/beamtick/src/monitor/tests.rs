@@ -187,7 +187,7 @@ impl Rig {
         let words = ["beamtick", "monitor", nc.to_str().unwrap(), "--command", "--machine", file.to_str().unwrap()];
         let Command::Monitor(arguments) = CommandLine::try_parse_from(words).unwrap().command else { panic!() };
         let arguments: Monitor = arguments;
-        let machine = machine_file::open(&file).unwrap();
+        let machine = machine_file::open(&file, None).unwrap();
         let program = Program::open(&nc, &arguments).map_err(|failure| panic!("{failure:?}")).ok();
         let (served, link) =
             connect::real_time(None, ProductProfile::Gus).map_err(|failure| panic!("{failure:?}")).unwrap();

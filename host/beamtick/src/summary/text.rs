@@ -43,7 +43,8 @@ impl fmt::Display for Summary {
         self.coordinate_systems.iter().try_for_each(|crd| writeln!(f, "  {crd}"))?;
         self.lasers.iter().try_for_each(|laser| {
             let end = if laser.on_at_the_end { "; was on when the script ended: shut off" } else { "" };
-            writeln!(f, "  laser {}: {laser}{end}", laser.channel)
+            let name = laser.name.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
+            writeln!(f, "  laser {}{name}: {laser}{end}", laser.channel)
         })?;
         for laser in self.lasers.iter().filter(|laser| laser.width_limited_times > 0) {
             let times = laser.width_limited_times;

@@ -3,8 +3,9 @@
 //!
 //! In: the elements of a file. Out: nothing, or the line and the reason.
 use crate::fault::Fault;
+use std::collections::HashMap;
 use std::str::FromStr;
-use svgtypes::{Length, NumberListParser, PathParser, PathSegment, Transform};
+use svgtypes::{Length, LengthListParser, NumberListParser, PathParser, PathSegment, Transform};
 use usvg::roxmltree::{Document, Node};
 
 /// Its name space.
@@ -39,19 +40,35 @@ pub fn check(document: &Document<'_>) -> Result<(), Fault> {
         let refused = |what: &str| Err(Fault::at(line(), what));
         match name {
             "text" if node.descendants().any(|inner| inner.text().is_some_and(|text| !text.trim().is_empty())) => {
-                return refused("text cannot be marked: make paths of it");
+                let name = node.attribute("id").map_or_else(String::new, |id| format!(" `{}`", quoted(id)));
+                let text = format!("the text{name} cannot be marked: convert text to paths in the drawing program");
+                return Err(Fault::at(line(), text));
             }
             "image" => return refused("an image cannot be marked: trace it, or remove it"),
             "foreignObject" => return refused("<foreignObject> is no drawing: remove it"),
             _ => {}
         }
         let wrong = |key: &str, value: &str, why: &str| {
-            let shown: String = value.trim().chars().take(40).collect();
+            let shown = quoted(value);
             Fault::at(line(), format!("<{name}>: {key} is `{shown}`: {why}"))
         };
         if let Some(value) = node.attribute("transform") {
             let t = Transform::from_str(value).map_err(|error| wrong("transform", value, &error.to_string()))?;
             within([t.a, t.b, t.c, t.d, t.e, t.f]).map_err(|why| wrong("transform", value, &why))?;
+        }
+        if let Some(value) = property(node, "stroke-dasharray").filter(|value| !is_keyword(value)) {
+            for length in LengthListParser::from(value) {
+                let length = length.map_err(|error| wrong("stroke-dasharray", value, &error.to_string()))?;
+                within([length.number]).map_err(|why| wrong("stroke-dasharray", value, &why))?;
+                if length.number < 0.0 {
+                    return Err(wrong("stroke-dasharray", value, "a length is below 0"));
+                }
+            }
+        }
+        if let Some(value) = property(node, "stroke-dashoffset").filter(|value| !is_keyword(value)) {
+            let length =
+                Length::from_str(value).map_err(|error| wrong("stroke-dashoffset", value, &error.to_string()))?;
+            within([length.number]).map_err(|why| wrong("stroke-dashoffset", value, &why))?;
         }
         if !SHAPES.contains(&name) {
             continue;
@@ -86,14 +103,39 @@ pub fn check(document: &Document<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
+/// A text of the file in a message.
+fn quoted(text: &str) -> String {
+    text.trim().chars().take(40).collect()
+}
+
+/// A property of an element: its style, else its attribute.
+fn property<'a>(node: Node<'a, '_>, key: &str) -> Option<&'a str> {
+    let rules = node.attribute("style").unwrap_or("").split(';');
+    let mut styles = rules.filter_map(|rule| rule.split_once(':')).filter(|(name, _)| name.trim() == key);
+    let value = styles.next_back().map(|(_, value)| value).or(node.attribute(key))?;
+    Some(value.trim().trim_end_matches("!important").trim_end())
+}
+
+/// A value that is no length.
+fn is_keyword(value: &str) -> bool {
+    ["none", "inherit", "initial", "unset"].contains(&value)
+}
+
+/// Shapes whose dashes are not in units of their own coordinates: their ids, and what says so.
+pub fn foreign_dashes(document: &Document<'_>) -> HashMap<String, &'static str> {
+    let foreign = |node: Node<'_, '_>| {
+        let is_fixed = property(node, "vector-effect") == Some("non-scaling-stroke");
+        let why = if is_fixed { Some("vector-effect") } else { None };
+        let why = why.or_else(|| node.attribute("pathLength").map(|_| "pathLength"));
+        Some((node.attribute("id")?.to_owned(), why?))
+    };
+    document.root_element().descendants().filter_map(foreign).collect()
+}
+
 /// Strokes of no width, which SVG does not draw, though some programs show them as hairlines.
 pub fn thin(document: &Document<'_>) -> Option<String> {
     let is_zero = |width: &str| Length::from_str(width.trim()).is_ok_and(|width| width.number == 0.0);
-    let is_thin = |node: &Node<'_, '_>| {
-        let rules = node.attribute("style").unwrap_or("").split(';');
-        let mut styles = rules.filter_map(|rule| rule.split_once(':')).filter(|(key, _)| key.trim() == "stroke-width");
-        styles.next_back().map(|(_, width)| width).or(node.attribute("stroke-width")).is_some_and(is_zero)
-    };
+    let is_thin = |node: &Node<'_, '_>| property(*node, "stroke-width").is_some_and(is_zero);
     let count = document.root_element().descendants().filter(is_thin).count();
     (count > 0).then(|| format!("a stroke-width of 0 is no stroke, and is not marked: give it a width ({count})"))
 }

@@ -41,7 +41,7 @@ impl Session<'_> {
             let speed = view.speeds[place] / per_mm;
             feed += speed * speed;
         }
-        let power = self.machine.laser.as_ref().map_or(0.0, |laser| {
+        let power = self.machine.laser().map_or(0.0, |laser| {
             let (least, most) = laser.power;
             let part = if most == least { 1.0 } else { (view.power - least) / (most - least) };
             if view.power == 0.0 { 0.0 } else { part.clamp(0.0, 1.0) * laser.s_max }

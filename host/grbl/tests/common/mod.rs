@@ -61,6 +61,14 @@ impl Rig {
         Rig::with(Box::new(VirtualLink::new(board.clone())), board, machine, pass_stops)
     }
 
+    /// As [`Rig::new`], for a machine whose laser is chosen.
+    pub fn of(machine: Machine) -> Rig {
+        let board = share(Board::new(Config::default()));
+        let (link, _) = PacedLink::new(board.clone(), 10.0);
+        let client = Client::open(Box::new(link), Options { family: Some(Family::Gus), ..Options::default() }).unwrap();
+        Rig::serving(board, client, machine, false, Pace::Virtual)
+    }
+
     fn with(link: Box<dyn Link>, board: Shared, machine: &str, pass_stops: bool) -> Rig {
         let family = if machine.contains("family = \"lsr\"") { Family::Lsr } else { Family::Gus };
         let options = Options { family: Some(family), ..Options::default() };
@@ -69,7 +77,10 @@ impl Rig {
     }
 
     pub fn over(board: Shared, client: Client, machine: &str, pass_stops: bool, pace: Pace) -> Rig {
-        let machine = Machine::read("m.toml", machine).unwrap();
+        Rig::serving(board, client, Machine::read("m.toml", machine).unwrap(), pass_stops, pace)
+    }
+
+    fn serving(board: Shared, client: Client, machine: Machine, pass_stops: bool, pace: Pace) -> Rig {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
         let ends = Arc::new(AtomicBool::new(false));
@@ -115,7 +126,13 @@ impl Rig {
 
     /// The laser's switch.
     pub fn lit(&self) -> bool {
-        self.board.lock().unwrap_or_else(PoisonError::into_inner).laser(0).switch
+        self.switches()[0]
+    }
+
+    /// The switches of both lasers.
+    pub fn switches(&self) -> [bool; 2] {
+        let mut board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
+        [0, 1].map(|channel| board.laser(channel).switch)
     }
 }
 

@@ -15,8 +15,8 @@ use std::path::Path;
 
 /// The way between marks, in the dark.
 const DARK: RGBColor = RGBColor(0x9a, 0xa4, 0xae);
-/// Marks.
-const MARK: RGBColor = RGBColor(0xc4, 0x2f, 0x6b);
+/// Marks of each laser.
+const MARKS: [RGBColor; 2] = [RGBColor(0xc4, 0x2f, 0x6b), RGBColor(0x2f, 0x6b, 0xc4)];
 /// What leaves the travel.
 const OUTSIDE: RGBColor = RGBColor(0xf2, 0x8c, 0x00);
 /// The edge of the travel, and what lies beyond it.
@@ -29,7 +29,8 @@ const SPACED: i32 = 2;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Part {
     Dark,
-    Mark,
+    /// Of this laser.
+    Mark(usize),
     Outside,
 }
 
@@ -40,15 +41,18 @@ pub struct Preview {
     /// Least and greatest position of both axes, mm.
     travel: [(f64, f64); 2],
     letters: [char; 2],
+    /// What marks of each laser are called.
+    marks: [String; 2],
     route: Route<Part>,
     at: Option<(f64, f64)>,
     steps: u64,
 }
 
 impl Preview {
-    /// An empty picture; `travel` of the axes `letters`, mm.
-    pub fn new(options: PlotOptions, letters: [char; 2], travel: [(f64, f64); 2]) -> Self {
-        Preview { options, travel, letters, route: Route::default(), at: None, steps: 0 }
+    /// An empty picture; `travel` of the axes `letters`, mm; `marks` is what those of each laser
+    /// are called.
+    pub fn new(options: PlotOptions, letters: [char; 2], travel: [(f64, f64); 2], marks: [String; 2]) -> Self {
+        Preview { options, travel, letters, marks, route: Route::default(), at: None, steps: 0 }
     }
 
     /// The second line of the heading.
@@ -56,10 +60,10 @@ impl Preview {
         self.options.subtitle = text;
     }
 
-    /// The path goes on to here.
-    pub fn line(&mut self, to: (f64, f64), lit: bool) {
+    /// The path goes on to here; `lit` is the laser that marks on the way, 0 or 1.
+    pub fn line(&mut self, to: (f64, f64), lit: Option<usize>) {
         let Some(from) = self.at.replace(to) else { return };
-        let inside = if lit { Part::Mark } else { Part::Dark };
+        let inside = lit.map_or(Part::Dark, |laser| Part::Mark(laser.min(1)));
         let on = |part: f64| (from.0 + (to.0 - from.0) * part, from.1 + (to.1 - from.1) * part);
         let (enters, leaves) = self.within(from, to);
         // Up to where it enters the travel, up to where it leaves it, and the rest.
@@ -146,12 +150,16 @@ impl Picture for Preview {
             .map_err(as_plot)?;
         let leaves =
             self.travel[0].0 > x.0 || self.travel[0].1 < x.1 || self.travel[1].0 > y.0 || self.travel[1].1 < y.1;
+        // Where two lasers mark, they are what the legend says first: it may be full.
+        let [first, second] = [0, 1].map(|laser| self.has(Part::Mark(laser)));
         let legend = [
+            (Sign::Line, MARKS[1], self.marks[1].as_str(), second),
+            (Sign::Line, MARKS[0], self.marks[0].as_str(), first && second),
             (Sign::Line, OUTSIDE, "outside the travel", self.has(Part::Outside)),
             (Sign::Line, EDGE, "edge of the travel", leaves),
             (Sign::Ring, INK, "begin: home", true),
             (Sign::Line, DARK, "in the dark", self.has(Part::Dark)),
-            (Sign::Line, MARK, "marked", self.has(Part::Mark)),
+            (Sign::Line, MARKS[0], self.marks[0].as_str(), first && !second),
         ];
         let shown: Vec<_> = legend
             .into_iter()
@@ -185,7 +193,9 @@ impl Picture for Preview {
             .map_err(as_plot)?;
         self.draw_edge(&mut chart, [x, y], scale)?;
         self.draw_part(&mut chart, Part::Dark, DARK.stroke_width(scale))?;
-        self.draw_part(&mut chart, Part::Mark, MARK.stroke_width(2 * scale))?;
+        for (laser, colour) in MARKS.into_iter().enumerate() {
+            self.draw_part(&mut chart, Part::Mark(laser), colour.stroke_width(2 * scale))?;
+        }
         self.draw_part(&mut chart, Part::Outside, OUTSIDE.stroke_width(3 * scale))?;
         if let Some(node) = self.route.nodes().first() {
             let ring = Circle::new((node.x, node.y), 6 * scale, INK.stroke_width(2 * scale));
