@@ -6,9 +6,9 @@ const SMALL: bool = cfg!(feature = "small");
 
 /// Motions that a look-ahead plans; the entries between them do not count.
 pub const LOOK_AHEAD_MOTIONS: usize = if SMALL { 32 } else { 512 };
-/// Of these, the motions of which it keeps steps of its plans: all or none.
+/// Motions of which it keeps steps of its plans: all or none.
 pub const LOOK_AHEAD_STEPS: usize = if SMALL { 0 } else { LOOK_AHEAD_MOTIONS };
-/// Of these, the motions that it remembers to tell rounding from a turn.
+/// Motions that a look-ahead remembers to tell rounding from a turn.
 pub const LOOK_AHEAD_CHORDS: usize = if SMALL { 16 } else { 128 };
 /// Messages in flight, in each direction.
 pub const LINK_WINDOW: usize = if SMALL { 2 } else { 8 };

@@ -55,7 +55,7 @@ impl PathQueue {
     }
 }
 
-impl<const N: usize> LookAhead<N> {
+impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     /// The queue must be empty. Its counters are as wide as an address: `by` counts with its sign,
     /// so that counters of any width are equally far from wrapping.
     fn advance_counters(&mut self, by: u32) {

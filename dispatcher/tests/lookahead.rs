@@ -4,6 +4,7 @@
 //! `host-tests/tests/look_ahead.rs` compares the time of long ones with an optimum.
 
 mod rounding;
+mod steps;
 
 use crate::chance;
 use chance::Chance;

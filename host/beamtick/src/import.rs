@@ -126,7 +126,7 @@ pub struct Found {
 }
 
 /// The job that a program or a drawing is; notes go to the error stream. `plot` is a
-/// picture of its path, drawn also where the path leaves the travel. Of a program that is not
+/// picture of its path, drawn also where the path leaves the travel. Without
 /// `timed` it is not told how long it takes.
 pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>, timed: bool) -> Result<Found, Failure> {
     let name = path.display().to_string();
@@ -189,7 +189,7 @@ fn made(
             let at = drawing.at.map_or([0.0; 2], |place| place.0);
             let bytes = input::read(path, Role::Job).map_err(unread)?;
             let Imported { job, notes, extent } =
-                ::drawing::import(name, &bytes, format, machine, ::drawing::Options { at }, watch)?;
+                ::drawing::import(name, &bytes, format, machine, ::drawing::Options { at, untimed: !timed }, watch)?;
             Ok(Made { script: Script::Whole(job), notes, extent })
         }
         _ if !drawing.layers.is_empty() || drawing.at.is_some() => {

@@ -41,7 +41,7 @@ struct PathFacts {
     /// Of a machine with named lasers: what each may light.
     lasers: Vec<LaserMarks>,
     /// The time that it takes, s.
-    seconds: Option<f64>,
+    seconds: f64,
     #[serde(skip)]
     text: String,
 }
@@ -85,7 +85,7 @@ impl PathFacts {
             covers: extent.all.iter().map(range).collect(),
             marks: extent.marks.iter().map(range).collect(),
             lasers: lasers.collect(),
-            seconds: extent.seconds,
+            seconds: extent.seconds.unwrap_or_default(),
             text: extent.to_string(),
         }
     }

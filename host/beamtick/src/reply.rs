@@ -105,9 +105,10 @@ pub fn held(opcode: u16, mut body: &[u8]) -> Vec<String> {
     if info.reply.last().is_none_or(|(name, _)| *name != "held") {
         return Vec::new();
     }
-    // Nearly always nothing was.
-    let bits =
-        body.get(..widths(info.reply)).and_then(|fixed| fixed.last_chunk()).map_or(0, |bits| u16::from_le_bytes(*bits));
+    // Nearly always nothing was. The word is the last field, of one byte or two.
+    let fixed = body.get(..widths(info.reply)).unwrap_or_default();
+    let word = fixed.get(widths(info.reply.split_last().map_or(&[], |(_, before)| before))..).unwrap_or_default();
+    let bits = word.iter().rev().fold(0u16, |bits, byte| bits << 8 | u16::from(*byte));
     if bits == 0 {
         return Vec::new();
     }

@@ -50,8 +50,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// Reads and compiles a job file; its warnings go to the error stream. `timed`: a program tells
-    /// how long it takes, which the simulator finds out anyway.
+    /// Reads and compiles a job file; its warnings go to the error stream. `timed`: a program or a
+    /// drawing tells how long it takes, which the simulator finds out anyway.
     pub fn open(path: &Path, drawing: &Drawing, timed: bool) -> Result<Self, Failure> {
         let source = Source::open_drawn(path, drawing, None, timed)?;
         if let Some(extent) = &source.extent {

@@ -382,7 +382,7 @@ fn dashes_are_marked_and_gaps_are_not() {
     // Dots have no length: that is said. Lengths that are all 0 are no dashes, as SVG says.
     let dots = "<path d=\"M0 0H9\" stroke=\"#f00\" stroke-dasharray=\"0 3 1 3\"/>";
     let (said, code) = check(folder.path(), &page(dots));
-    let note = "d.svg: note: dots, which are dashes of length 0, are not marked (1)";
+    let note = "d.svg: note: shapes with dots, which are dashes of length 0: the dots are not marked (1)";
     assert!(code == 0 && said.contains(note) && said.contains("marks of 1.000 mm"), "{said}");
     let (said, code) = check(folder.path(), &page(&dots.replace("0 3 1 3", "0 0")));
     assert!(code == 0 && !said.contains("dots") && said.contains("marks of 9.000 mm"), "{said}");

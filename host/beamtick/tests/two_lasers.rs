@@ -98,9 +98,13 @@ fn each_layer_is_lit_by_its_own_laser_and_the_other_one_is_dark() {
     for family in ["gus", "lsr"] {
         let machine = format!("family = \"{family}\"\n{}{LASERS}{LAYERS}", axes());
         fs::write(folder.path().join("m.toml"), machine).unwrap();
-        let sim = ["sim", "d.svg", "--machine", "m.toml", "--trace", "t.csv", "--strict"];
+        let sim = ["sim", "d.svg", "--machine", "m.toml", "--trace", "t.csv", "--xy", "xy.svg", "--strict"];
         let (said, code) = beamtick(folder.path(), &sim);
         assert_eq!(code, 0, "{said}");
+        // The picture has the light of both: the bar's and that of the other one.
+        let picture = fs::read_to_string(folder.path().join("xy.svg")).unwrap();
+        assert!(picture.contains("light of laser 0, ") && picture.contains("light of laser 1\n"), "{family}");
+        assert!(picture.matches("#0B7D6E").count() > 1, "{family}: a legend without light");
         for part in
             ["laser 0 (cut): analog mode, dark", "laser 1 (engrave): duty mode, dark", "laser engrave 40.000 mm"]
         {

@@ -34,6 +34,8 @@ pub enum Format {
 pub struct Options {
     /// Machine position, mm, of the lower left corner of the page (SVG), or of the origin (DXF).
     pub at: [f64; 2],
+    /// Nobody asks for the time that the path takes.
+    pub untimed: bool,
 }
 
 /// What a number at a call is.
@@ -67,6 +69,9 @@ pub fn import(
     let mut writer = Writer::new(name, EACH, machine);
     if let Some(watch) = watch {
         writer.watched(watch);
+    }
+    if options.untimed {
+        writer.untimed();
     }
     let found = plan::plan(shapes, machine, options, &mut writer);
     let found = found.map_err(|why| format!("{name}: {why}; nothing was run"))?;

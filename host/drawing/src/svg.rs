@@ -232,7 +232,7 @@ impl Found {
                 return Err(Fault::whole(text));
             }
             if lengths.iter().step_by(2).any(|dash| *dash == 0.0) {
-                self.pass("dots, which are dashes of length 0, are not marked");
+                self.pass("shapes with dots, which are dashes of length 0: the dots are not marked");
             }
             let pattern = dashes::DashPattern::new(lengths, stroke.dashoffset(), map.scale());
             self.dashes += pattern.count_max(&elements);

@@ -177,13 +177,17 @@ impl<'a> Stream<'a> {
         Ok(self.writer.taken())
     }
 
-    /// What M2 and M30 leave, as in Grbl: coordinates and offsets stay.
+    /// What M2 and M30 leave, as in Grbl: coordinates and offsets stay, and F and S.
     fn end(&mut self) {
         let state = &mut self.state;
         state.motion = Motion::Line;
         (state.plane, state.system) = (0, 0);
+        if state.inverse {
+            // That F was the time of a line.
+            state.feed = 0;
+        }
         (state.incremental, state.inverse) = (false, false);
-        (state.spindle, state.feed) = (Spindle::Off, 0);
+        state.spindle = Spindle::Off;
     }
 
     /// After a reset: the modal state of the beginning. Coordinate systems and the positions of G28

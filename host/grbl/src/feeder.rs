@@ -459,6 +459,9 @@ impl Feeder {
         }
         if !self.goes_on {
             self.enter_light()?;
+            if self.sent.is_empty() {
+                return Ok(());
+            }
         }
         let mut gate = locked(&self.shared.gate);
         if gate.held || gate.stopped {

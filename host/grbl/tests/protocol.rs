@@ -595,3 +595,24 @@ fn one_of_two_lasers_is_chosen() {
         rig.end();
     }
 }
+
+/// What changes the laser at standstill, after light, is done at once: no motion follows.
+#[test]
+fn a_dwell_of_nothing_after_light_ends_it() {
+    for changes in ["M5", "M2", "S100", "M5\nM3 S200", "M4 S10\nM5"] {
+        let rig = Rig::new(MACHINE, false);
+        let mut sender = rig.sender();
+        sender.banner();
+        sender.ok("M3 S900 G1 X5 F1200");
+        sender.idle();
+        changes.split('\n').for_each(|line| drop(sender.ok(line)));
+        sender.ok("G4P0");
+        let status = sender.idle();
+        assert_eq!((status.state.as_str(), rig.switches(), rig.at()), ("Idle", [false; 2], [500.0, 0.0]), "{changes}");
+        // F is as before.
+        sender.ok("G1 X6");
+        sender.idle();
+        assert_eq!(rig.at(), [600.0, 0.0], "{changes}");
+        rig.end();
+    }
+}

@@ -294,6 +294,20 @@ pub const LIST: &[Mutant] = &[
         CRD_AHEAD,
     ),
     mutant(
+        "look-ahead: a step is kept where the junction at its end changes",
+        AHEAD,
+        "for counter in [counter.wrapping_sub(1), counter] {",
+        "for counter in [counter] {",
+        LOOK_AHEAD,
+    ),
+    mutant(
+        "look-ahead: a kept step holds beyond the next line",
+        "dispatcher/src/plan/look_ahead/reachable.rs",
+        "to = to.min(left / steep);",
+        "to = to.max(left / steep);",
+        LOOK_AHEAD,
+    ),
+    mutant(
         "look-ahead: an axis's speed is not limited",
         AHEAD,
         "vel = vel.min(most / share);",

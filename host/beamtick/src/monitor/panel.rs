@@ -61,7 +61,7 @@ impl Program {
             found.extent.marks.iter().find(|row| row.0 == letter).map(of)
         };
         let marks = side('X').zip(side('Y')).map(|(x, y)| [x, y]);
-        Ok(Program { name, lines, marks, seconds: found.extent.seconds.unwrap_or(0.0) })
+        Ok(Program { name, lines, marks, seconds: found.extent.seconds.unwrap_or_default() })
     }
 }
 

@@ -1,7 +1,8 @@
 //! One axis over another: the path, its direction and time, and the light on it.
 //!
 //! In: rows, and when lasers gave light. Out: a PNG or an SVG with the same scale in both
-//! directions. What is lit has the colour of its power, which a bar explains. Owns a [`Route`] for
+//! directions. What is lit has the colour of its power, which a bar explains; light of a second
+//! laser has a colour of its own. Owns a [`Route`] for
 //! each laser. Fails with [`TraceError::Plot`] and [`TraceError::Window`].
 use super::canvas::{self, Chart, HEAD, Picture, Sign};
 use super::panel::{CAPTION, FOOT, FRAME, GRID, LEFT, RIGHT};
@@ -36,6 +37,8 @@ const COLOURS: [RGBColor; 5] = [
 const SPACED: i32 = 2;
 /// Colours that can be distinguished.
 const SHADES: usize = 64;
+/// Light of a laser that the bar is not for.
+const OTHER: RGBColor = RGBColor(0x0b, 0x7d, 0x6e);
 /// The path without light.
 const DARK: RGBColor = RGBColor(0x9a, 0xa4, 0xae);
 
@@ -184,6 +187,11 @@ impl Xy {
         self.lasers.iter().find(|beam| beam.is_lit()).or(self.lasers.first())
     }
 
+    /// A second laser that gave light.
+    fn other(&self) -> Option<&Beam> {
+        self.lasers.iter().filter(|beam| beam.is_lit()).nth(1)
+    }
+
     fn bar_width(&self) -> u32 {
         if self.beam().is_some_and(Beam::is_lit) { BAR } else { 0 }
     }
@@ -258,9 +266,13 @@ impl Picture for Xy {
             draw_bar(&right, bar, scale)?;
             ends = at.saturating_sub(24);
         }
-        let signs = [(Sign::Dot, INK, "end"), (Sign::Ring, INK, "begin"), (Sign::Line, DARK, "in the dark")];
-        let shown = if bar.is_some() && beam.has_dark() { &signs[..] } else { &signs[..2] };
-        canvas::legend(&rest, (begins, ends), shown, scale)?;
+        let other = self.other().map(|other| (other, other.name.map_or(0, |name| name.0)));
+        let light = other.map(|(_, name)| format!("light of laser {name}"));
+        let mut signs = vec![(Sign::Dot, INK, "end"), (Sign::Ring, INK, "begin")];
+        signs.extend((bar.is_some() && beam.has_dark()).then_some((Sign::Line, DARK, "in the dark")));
+        // Where there is no room, the last ones are left out.
+        signs.splice(0..0, light.as_deref().map(|light| (Sign::Line, OTHER, light)));
+        canvas::legend(&rest, (begins, ends), &signs, scale)?;
         let mut chart = ChartBuilder::on(&left)
             .margin_top(CAPTION * scale)
             .margin_right(if bar.is_some() { 0 } else { RIGHT * scale })
@@ -284,7 +296,10 @@ impl Picture for Xy {
             .x_desc(self.label(self.axes.0))
             .draw()
             .map_err(as_plot)?;
-        draw_way(&mut chart, beam, scale)?;
+        draw_way(&mut chart, beam, false, scale)?;
+        if let Some((other, _)) = other {
+            draw_way(&mut chart, other, true, scale)?;
+        }
         draw_signs(&chart, beam.route.nodes(), scale)
     }
 }
@@ -319,15 +334,15 @@ fn draw_bar<B: DrawingBackend>(area: &DrawingArea<B, Shift>, (_, most): (PowerUn
     Ok(())
 }
 
-/// The path, the dark parts first.
-fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32) -> Result<()> {
-    let bar = beam.scale();
+/// The path, the dark parts first. Of a laser beside (`other`) the light alone, in one colour.
+fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, other: bool, scale: u32) -> Result<()> {
+    let bar = beam.scale().filter(|_| !other);
     let plain = match (bar, beam.name) {
         (None, None) => POSITION.stroke_width(2 * scale),
         _ => DARK.stroke_width(scale + scale / 2),
     };
     let shaded = |light: Option<Power>| light.map(|light| bar.and_then(|bar| shade(light, bar)));
-    for lit in [false, true] {
+    for lit in [false, true].into_iter().skip(usize::from(other)) {
         let mut remaining = beam.route.nodes();
         while let Some((first, after)) = remaining.split_first() {
             let shade = shaded(first.light);
@@ -337,6 +352,7 @@ fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, scale: u32
             remaining = after.get(same..).unwrap_or(&[]);
             let stroke = match shade {
                 None => plain,
+                Some(None) if other => OTHER.stroke_width(3 * scale),
                 Some(None) => INK.stroke_width(3 * scale),
                 Some(Some(shade)) => colour(shade as f64 / (SHADES - 1) as f64).stroke_width(3 * scale),
             };
