@@ -206,7 +206,7 @@ impl Guard {
         }
         for crd in 0..4 {
             let Some(frame) = board.crd(crd).frame else { continue };
-            if frame.axes().iter().flatten().any(|of| of.index() == axis) {
+            if frame.axes.iter().flatten().any(|of| of.index() == axis) {
                 let mapped = (0..CHANNELS).filter(|channel| board.laser_view(*channel).crd_map >> crd & 1 == 1);
                 let mapped = mapped.fold(0, |all, channel| all | 1 << channel);
                 self.hold(mapped, why);

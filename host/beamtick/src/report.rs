@@ -165,7 +165,7 @@ fn bare(name: &str) -> &str {
 /// What the script calls a step.
 fn name(step: &Step) -> &str {
     match &step.action {
-        Action::Call(call) => &*call.function,
+        Action::Call(call) => &call.function,
         Action::Sleep { .. } => "Sleep",
         Action::WaitStop { .. } | Action::WaitAll => "WaitStop",
     }

@@ -8,7 +8,7 @@ use crate::units::{Axis, AxisMask};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AxisMap {
     /// The axes of X, Y, Z, A.
-    pub(crate) axes: [Option<Axis>; DIMENSIONS],
+    pub axes: [Option<Axis>; DIMENSIONS],
     /// The requested origin.
     pub(crate) origin: Option<[i32; DIMENSIONS]>,
     /// Least time at constant speed in a motion, ms.
