@@ -411,8 +411,8 @@ pub struct Grbl {
     /// this begins.
     #[arg(long, value_name = "FILE.toml")]
     pub machine: PathBuf,
-    /// Of a machine with named lasers, [lasers.NAME]: the one that S sets; the other one stays dark.
-    /// Without it, the first of the file.
+    /// Of a machine with named lasers, [lasers.NAME]: the one that S sets; the other one stays
+    /// dark. Without it, the first of the file.
     #[arg(long, value_name = "NAME")]
     pub laser: Option<String>,
     /// tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual: a virtual controller in real time.

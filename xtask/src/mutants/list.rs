@@ -254,8 +254,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "look-ahead: speeds are final at once",
         AHEAD,
-        "settled = (settled || free) && sure && end_sure || cap == 0.0;",
-        "settled = settled || free || after >= 0.0;",
+        "settled = (settled || step.settled) && sure && end_sure || cap == 0.0;",
+        "settled = settled || step.settled || after >= 0.0;",
         LOOK_AHEAD,
     ),
     mutant(

@@ -21,8 +21,8 @@ pub struct Monitor {
     /// The machine: positions and speeds are shown in mm. Without it, in pulses.
     #[arg(long, value_name = "FILE.toml")]
     pub machine: Option<PathBuf>,
-    /// With --command, of a machine with named lasers: the one that S sets. Without it, the first of
-    /// the file.
+    /// With --command, of a machine with named lasers: the one that S sets. Without it, the first
+    /// of the file.
     #[arg(long, value_name = "NAME", requires = "command")]
     pub laser: Option<String>,
     /// Takes the controller, so that the keys act. Its axes stand at home when this begins. Without
