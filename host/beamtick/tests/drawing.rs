@@ -384,6 +384,16 @@ fn dashes_are_marked_and_gaps_are_not() {
     let (said, code) = check(folder.path(), &page(dots));
     let note = "d.svg: note: shapes with dots, which are dashes of length 0: the dots are not marked (1)";
     assert!(code == 0 && said.contains(note) && said.contains("marks of 1.000 mm"), "{said}");
+    // A dash that is as long as a closed shape, or longer, goes once around it and not across.
+    for (dash, shape) in [
+        (70.0, "circle cx=\"50\" cy=\"50\" r=\"10\""),
+        (100.0, "circle cx=\"50\" cy=\"50\" r=\"10\""),
+        (62.84, "path d=\"M50 40A10 10 0 0 1 50 60A10 10 0 0 1 50 40Z\""),
+    ] {
+        let shape = format!("<{shape} fill=\"none\" stroke=\"#f00\" stroke-dasharray=\"{dash} 3\"/>");
+        let (said, code) = check(folder.path(), &page(&shape));
+        assert!(code == 0 && said.contains("marks of 62.83"), "{shape}: {said}");
+    }
     let (said, code) = check(folder.path(), &page(&dots.replace("0 3 1 3", "0 0")));
     assert!(code == 0 && !said.contains("dots") && said.contains("marks of 9.000 mm"), "{said}");
     let (said, code) = check(folder.path(), &page(&dots.replace("0 3 1 3", "0 3")));

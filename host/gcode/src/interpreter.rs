@@ -70,47 +70,51 @@ pub fn run(
     let (mut bare, mut found) = (Vec::new(), Vec::new());
     let (mut begun, mut ended) = (false, false);
     let (mut row, mut number) = (Vec::new(), 0);
-    loop {
+    'program: loop {
         row.clear();
         let count = program.read_until(b'\n', &mut row);
         if count.map_err(|error| format!("{name}: the program cannot be read: {error}"))? == 0 {
             break;
         }
-        number += 1;
         if writer.size() >= BLOCK_BYTES {
             to.write_all(writer.taken().as_bytes()).map_err(|error| unkept(name, &error))?;
         }
-        let line = String::from_utf8_lossy(&row);
-        let mut note = |text: &str| {
-            if !notes.iter().any(|(_, other)| other == text) {
-                notes.push((number, text.to_owned()));
+        // Some files end their lines with CR alone.
+        let lines = String::from_utf8_lossy(&row);
+        for line in lines.trim_matches(['\r', '\n']).split('\r') {
+            number += 1;
+            let mut note = |text: &str| {
+                if !notes.iter().any(|(_, other)| other == text) {
+                    notes.push((number, text.to_owned()));
+                }
+            };
+            let trimmed = line.trim_matches(|letter: char| letter.is_whitespace() || letter == '\u{feff}');
+            if trimmed.is_empty() {
+                continue;
             }
-        };
-        let trimmed = line.trim_matches(|letter: char| letter.is_whitespace() || letter == '\u{feff}');
-        if trimmed.is_empty() {
-            continue;
+            if ended && trimmed.starts_with('%') {
+                break 'program;
+            }
+            if ended {
+                note("the program has ended; this line and those after it are not run");
+                break 'program;
+            }
+            if trimmed.starts_with('%') {
+                ended = begun;
+                begun = true;
+                continue;
+            }
+            if trimmed.starts_with('$') {
+                note("lines that begin with $ are for a sender and are passed over");
+                continue;
+            }
+            let done = words::read(trimmed, &mut bare, &mut found)
+                .and_then(|()| Block::of(&found))
+                .and_then(|block| state.line(&block, number, options, writer, &mut note));
+            ended = done.map_err(|why| format!("{name}:{number}: {why}; nothing was run"))?;
+            // Comments may stand before the first `%`.
+            begun |= !found.is_empty();
         }
-        if ended && trimmed.starts_with('%') {
-            break;
-        }
-        if ended {
-            note("the program has ended; this line and those after it are not run");
-            break;
-        }
-        if trimmed.starts_with('%') {
-            ended = begun;
-            begun = true;
-            continue;
-        }
-        begun = true;
-        if trimmed.starts_with('$') {
-            note("lines that begin with $ are for a sender and are passed over");
-            continue;
-        }
-        let done = words::read(trimmed, &mut bare, &mut found)
-            .and_then(|()| Block::of(&found))
-            .and_then(|block| state.line(&block, number, options, writer, &mut note));
-        ended = done.map_err(|why| format!("{name}:{number}: {why}; nothing was run"))?;
     }
     Ok(notes.into_iter().map(|(number, note)| format!("{name}:{number}: note: {note}")).collect())
 }
@@ -209,7 +213,10 @@ impl<'a> State<'a> {
                 }
                 Ok(false)
             }
-            Some(Stop::End) => Ok(true),
+            Some(Stop::End) => {
+                self.coolant_off(writer);
+                Ok(true)
+            }
             None => Ok(false),
         }
     }
@@ -263,9 +270,14 @@ impl<'a> State<'a> {
             }
         }
         if block.coolant_off {
-            for output in [outputs.mist, outputs.flood].into_iter().flatten() {
-                writer.output(output, false);
-            }
+            self.coolant_off(writer);
+        }
+    }
+
+    /// M9, which M2 and M30 do too.
+    fn coolant_off(&self, writer: &mut Writer<'_>) {
+        for output in [self.machine.outputs.mist, self.machine.outputs.flood].into_iter().flatten() {
+            writer.output(output, false);
         }
     }
 

@@ -123,7 +123,8 @@ impl<'a> Stream<'a> {
                 Ended::Program
             }
         };
-        let switched = |on: bool| if on { Some(true) } else { run.coolant_off.then_some(false) };
+        let off = run.coolant_off || run.stop == Some(Stop::End);
+        let switched = |on: bool| if off { Some(false) } else { on.then_some(true) };
         let coolant = Coolant { mist: switched(run.mist), flood: switched(run.flood) };
         Ok(Line { calls: self.writer.taken(), ended, coolant })
     }
@@ -370,7 +371,27 @@ mod tests {
         assert_eq!((stream.offsets().systems[1][0], stream.offsets().offset[0]), (5.0, 0.0));
         assert_eq!(stream.line("M0").unwrap().ended, Ended::Pause);
         assert_eq!(stream.line("M8").unwrap().coolant, Coolant { mist: None, flood: Some(true) });
+        // M2 is M9 too, and keeps F.
+        stream.line("G94 F600").unwrap();
+        assert_eq!(stream.line("M2").unwrap().coolant, Coolant { mist: Some(false), flood: Some(false) });
+        assert_eq!(stream.modes().feed, 600.0);
         stream.forget_offsets();
         assert_eq!(stream.offsets().systems[1][0], 0.0);
+    }
+
+    #[test]
+    fn lines_may_end_with_any_line_end() {
+        let machine = machine();
+        let job = |end: &str| {
+            let text = ["; made by hand", "%", "G91 F600 G1", "X10", "M3 S500", "Y10", "M2"].join(end) + end;
+            crate::import("a.nc", &text, &machine, Options::default()).unwrap()
+        };
+        let expected = job("\n");
+        assert!(expected.job.matches("GT_LnXY(").count() >= 2 && expected.job.contains("// 6"));
+        for end in ["\r\n", "\r", "\r\r\n"] {
+            assert_eq!(job(end), expected, "{end:?}");
+        }
+        let wrong = crate::import("a.nc", "G1 F100\rX5\rX999\r", &machine, Options::default()).unwrap_err();
+        assert!(wrong.starts_with("a.nc:3: "), "{wrong}");
     }
 }

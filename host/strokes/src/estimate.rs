@@ -8,8 +8,8 @@ use dispatcher::plan::look_ahead::{Limits, LookAhead};
 use machine::Machine;
 use servo::path::Plane;
 
-/// Motions that are planned together.
-const TOGETHER: usize = 256;
+/// Motions that are planned together, as many as in the virtual controller.
+const TOGETHER: usize = 512;
 
 pub struct Estimate {
     ahead: Box<LookAhead<TOGETHER, TOGETHER>>,
@@ -53,9 +53,15 @@ impl Estimate {
     fn push(&mut self, geometry: Option<Geometry>, vel: f64, acc: f64) {
         let Some(geometry) = geometry else { return };
         while !self.ahead.push_motion(&geometry, vel, acc) {
-            // Half of it at a time: each plan looks back over what waits.
-            for _ in 0..TOGETHER / 2 {
-                self.ms += self.ahead.take(true).map_or(0.0, |planned| planned.ms);
+            // As the controller does: what is final, and if that is nothing, a few at a level.
+            while let Some(planned) = self.ahead.take(false) {
+                self.ms += planned.ms;
+            }
+            if self.ahead.is_full() {
+                for _ in 0..self.ahead.hold_level() {
+                    self.ms += self.ahead.take(true).map_or(0.0, |planned| planned.ms);
+                }
+                self.ahead.release_level();
             }
         }
         self.at = geometry.end;

@@ -3,7 +3,7 @@
 //! In: the elements of a path, and `stroke-dasharray` with its offset, in units of the path. Out:
 //! the elements of its dashes. They are found before the transform of the path, as SVG says. Fails
 //! never: [`DashPattern::count_max`] says how many dashes there may be, before they are made.
-use kurbo::{Affine, PathEl, Point};
+use kurbo::{Affine, BezPath, PathEl, Point, Shape};
 use usvg::tiny_skia_path::{Path, PathSegment};
 
 /// Most dashes of a drawing.
@@ -54,10 +54,36 @@ impl DashPattern {
     /// The dashes of a path.
     pub fn cut(&self, elements: &[PathEl]) -> Vec<PathEl> {
         let (larger, smaller) = (Affine::scale(self.scale), Affine::scale(1.0 / self.scale));
-        let path = elements.iter().map(|element| larger * *element);
-        let dashes: Vec<PathEl> = kurbo::dash(path, self.offset, &self.lengths).collect();
-        let each = dashes.chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_)));
-        each.filter(|dash| length_max(dash) > DOT_PX).flatten().map(|element| smaller * *element).collect()
+        let first = self.first_dash();
+        let mut found = Vec::new();
+        for part in elements.chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_))) {
+            let part: Vec<PathEl> = part.iter().map(|element| larger * *element).collect();
+            let outline = BezPath::from_vec(part.clone());
+            // `kurbo::dash` would cut across a closed shape that its first dash goes around.
+            let length = outline.perimeter(DOT_PX);
+            if length > DOT_PX && first >= length {
+                found.extend(part);
+                continue;
+            }
+            let dashes: Vec<PathEl> = kurbo::dash(part.into_iter(), self.offset, &self.lengths).collect();
+            let each = dashes.chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_)));
+            found.extend(each.filter(|dash| length_max(dash) > DOT_PX).flatten());
+        }
+        found.into_iter().map(|element| smaller * element).collect()
+    }
+
+    /// The length of the dash in which each part of a path begins, from there on; 0 in a gap.
+    fn first_dash(&self) -> f64 {
+        // An odd number of lengths is a dash and a gap in turns.
+        let both = [&self.lengths[..], &self.lengths].concat();
+        let mut passed = self.offset.rem_euclid(both.iter().sum());
+        for (place, length) in both.iter().enumerate() {
+            if passed < *length {
+                return if place % 2 == 0 { length - passed } else { 0.0 };
+            }
+            passed -= length;
+        }
+        0.0
     }
 }
 
