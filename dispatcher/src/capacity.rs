@@ -6,8 +6,8 @@ const SMALL: bool = cfg!(feature = "small");
 
 /// Motions that a look-ahead plans; the entries between them do not count.
 pub const LOOK_AHEAD_MOTIONS: usize = if SMALL { 32 } else { 512 };
-/// Motions of which it keeps steps of its plans: all or none.
-pub const LOOK_AHEAD_STEPS: usize = if SMALL { 0 } else { LOOK_AHEAD_MOTIONS };
+/// Motions of which it keeps steps of its plans: all or none. Boards have no memory for them.
+pub const LOOK_AHEAD_STEPS: usize = if cfg!(target_os = "none") { 0 } else { LOOK_AHEAD_MOTIONS };
 /// Motions that a look-ahead remembers to tell rounding from a turn.
 pub const LOOK_AHEAD_CHORDS: usize = if SMALL { 16 } else { 128 };
 /// Messages in flight, in each direction.
