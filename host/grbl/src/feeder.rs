@@ -45,6 +45,8 @@ const FIFO: i16 = 0;
 pub struct View {
     /// The path runs.
     pub runs: bool,
+    /// It stands within its entries, by a hold: in a last dwell all of them have left the FIFO.
+    pub goes_on: bool,
     /// Entries and motions that are over or were thrown away.
     pub done: (u64, u64),
     /// X, Y, Z in pulses of the coordinate system.
@@ -175,8 +177,6 @@ struct Feeder {
     light: Light,
     /// It was started, and its end was not sampled yet.
     started: bool,
-    /// It stands within its entries, by a hold.
-    goes_on: bool,
     /// Entries in it that were planned for more than F.
     fast: usize,
     /// The factor in force.
@@ -391,7 +391,7 @@ impl Feeder {
                 let mut gate = locked(&self.shared.gate);
                 std::mem::take(&mut gate.asked) || gate.stopped
             };
-            self.goes_on = info.path_stop == path_stop::STOPPED && !self.sent.is_empty();
+            self.view.goes_on = info.path_stop == path_stop::STOPPED;
             if info.path_stop >= path_stop::UNDERRUN && !asked {
                 let reason = stop_reason(info.reason.get());
                 self.fault(false, format!("the path stopped: {reason}"));
@@ -426,7 +426,7 @@ impl Feeder {
         self.sent.clear();
         (self.motions, self.fast) = (0, 0);
         self.light = Light::default();
-        (self.started, self.goes_on) = (false, false);
+        (self.started, self.view.goes_on) = (false, false);
         self.view.lasts_ms = 0;
     }
 
@@ -446,7 +446,8 @@ impl Feeder {
 
     /// Starts a path that stands and has something to do.
     fn start(&mut self) -> Result<(), Error> {
-        if self.view.runs || self.sent.is_empty() || self.view.fault.is_some() {
+        let goes_on = self.view.goes_on;
+        if self.view.runs || (self.sent.is_empty() && !goes_on) || self.view.fault.is_some() {
             return Ok(());
         }
         let quiet = {
@@ -454,10 +455,10 @@ impl Feeder {
             let quiet = inbox.newest.is_none_or(|at| at.elapsed() >= QUIET);
             quiet || (inbox.hurry && inbox.entries.is_empty())
         };
-        if !self.goes_on && self.motions < START_MIN_MOTIONS && !quiet {
+        if !goes_on && self.motions < START_MIN_MOTIONS && !quiet {
             return Ok(());
         }
-        if !self.goes_on {
+        if !goes_on {
             self.enter_light()?;
             if self.sent.is_empty() {
                 return Ok(());
@@ -478,7 +479,7 @@ impl Feeder {
             }
             Err(error) => return Err(error),
         }
-        (self.started, self.goes_on, self.view.runs) = (true, false, true);
+        (self.started, self.view.goes_on, self.view.runs) = (true, false, true);
         self.view.starts += 1;
         Ok(())
     }

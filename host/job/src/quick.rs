@@ -35,39 +35,47 @@ impl Quick<'_> {
     }
 }
 
-/// A number as digits, without a zero in front, which C reads as octal.
-fn digits(text: &str) -> Option<&str> {
-    let plain = text.strip_prefix('-').unwrap_or(text).as_bytes();
+/// A number as digits, without a zero in front, which C reads as octal; whether it is whole.
+fn digits(text: &str) -> Option<bool> {
+    let plain = text.as_bytes();
+    let plain = plain.strip_prefix(b"-").unwrap_or(plain);
     let whole = plain.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    let is_number = match plain.get(whole..) {
-        Some([]) => true,
-        Some([b'.', part @ ..]) => !part.is_empty() && part.iter().all(u8::is_ascii_digit),
-        _ => false,
+    let is_whole = match plain.get(whole..)? {
+        [] => true,
+        [b'.', part @ ..] if !part.is_empty() && part.iter().all(u8::is_ascii_digit) => false,
+        _ => return None,
     };
     let octal = whole > 1 && plain.first() == Some(&b'0');
-    (is_number && whole > 0 && !octal).then_some(text)
+    (whole > 0 && !octal).then_some(is_whole)
 }
 
 fn real(text: &str) -> Option<f64> {
-    digits(text)?.parse().ok()
+    digits(text)?;
+    text.parse().ok()
 }
 
 fn whole<T: std::str::FromStr>(text: &str) -> Option<T> {
-    digits(text)?.parse().ok()
+    if digits(text)? { text.parse().ok() } else { None }
 }
 
-/// The statement of a line, its function and its parameters, apart by a comma and a blank.
+/// The statement of a line, its function and its parameters, apart by a comma and a blank. One walk
+/// over its bytes.
 fn parts(line: &str) -> Option<(&str, &str, [&str; 6], usize)> {
-    let (function, rest) = line.split_once('(')?;
-    let (inside, rest) = rest.split_once(')')?;
-    rest.strip_prefix(';')?;
-    let statement = line.get(..line.len() - rest.len() + 1)?;
-    let (mut given, mut count) = ([""; 6], 0);
-    for part in inside.split(',') {
-        *given.get_mut(count)? = if count == 0 { part } else { part.strip_prefix(' ')? };
+    let open = line.bytes().position(|byte| byte == b'(')?;
+    let (mut given, mut count, mut from) = ([""; 6], 0, open + 1);
+    for (at, byte) in line.bytes().enumerate().skip(from) {
+        if byte != b',' && byte != b')' {
+            continue;
+        }
+        *given.get_mut(count)? = line.get(from..at)?;
         count += 1;
+        match line.as_bytes().get(at + 1)? {
+            b' ' if byte == b',' => from = at + 2,
+            b';' if byte == b')' => return Some((line.get(..at + 2)?, line.get(..open)?, given, count)),
+            _ => return None,
+        }
     }
-    Some((statement, function, given, count))
+    None
 }
 
 /// The call of a line; a comment may follow it.

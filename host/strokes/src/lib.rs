@@ -12,6 +12,7 @@
 pub mod arc;
 mod estimate;
 pub mod exact;
+mod number;
 mod writer;
 
 use std::fmt;

@@ -5,6 +5,7 @@
 use crate::arc::Arc;
 use crate::estimate::Estimate;
 use crate::exact::{ONE, Scale, of_f64, to_f64};
+use crate::number::Number;
 use crate::{Extent, MARK, Watch};
 use machine::{Family, LETTERS, Laser, Limits, Machine, Mode};
 use std::fmt::Write;
@@ -281,6 +282,7 @@ impl<'a> Writer<'a> {
                     self.put(format_args!("GT_BufLaserFollowOff(1, 0, {channel});\n"));
                     self.entered();
                 }
+                let power = Number(power);
                 self.put(format_args!("GT_BufLaserPrfCmd(1, {power}, 0, {channel});\n"));
                 self.entered();
             }
@@ -289,6 +291,7 @@ impl<'a> Writer<'a> {
                     self.put(format_args!("GT_BufLaserPrfCmd(1, 0, 0, {channel});\n"));
                     self.entered();
                 }
+                let (ratio, most) = (Number(ratio), Number(most));
                 self.put(format_args!("GT_BufLaserFollowRatio(1, {ratio}, 0, {most}, 0, {channel});\n"));
                 self.entered();
             }
@@ -440,6 +443,7 @@ impl<'a> Writer<'a> {
         if let Some(time) = &mut self.time {
             time.line(to, vel, acc);
         }
+        let (vel, acc) = (Number(vel), Number(acc));
         match self.scales.len() {
             2 => self.put(format_args!("GT_LnXY(1, {x}, {y}, {vel}, {acc}); // {line}\n")),
             _ => self.put(format_args!("GT_LnXYZ(1, {x}, {y}, {z}, {vel}, {acc}); // {line}\n")),

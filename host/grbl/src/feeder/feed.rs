@@ -43,7 +43,6 @@ impl Feed {
             motions: 0,
             light: Light::default(),
             started: false,
-            goes_on: false,
             fast: 0,
             feed: 1.0,
             lasted: (Duration::ZERO, 0),
@@ -82,8 +81,12 @@ impl Feed {
 
     /// Whether nothing moves, and nothing waits to.
     pub fn idle(&self) -> bool {
-        let view = self.view();
-        !view.runs && self.waiting(&view).0 == 0
+        self.is_idle(&self.view())
+    }
+
+    /// As [`Self::idle`], at the time of a view.
+    pub fn is_idle(&self, view: &View) -> bool {
+        !view.runs && !view.goes_on && self.waiting(view).0 == 0
     }
 
     /// What the machine does.

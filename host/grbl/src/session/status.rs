@@ -7,7 +7,7 @@ use crate::report::Report;
 
 impl Session<'_> {
     fn state(&self, view: &View) -> &'static str {
-        let moves = view.runs || self.feed.waiting(view).0 > 0;
+        let moves = !self.feed.is_idle(view);
         if self.sleeps {
             return "Sleep";
         }

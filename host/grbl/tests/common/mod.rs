@@ -112,6 +112,11 @@ impl Rig {
         self.thread.take().unwrap().join().unwrap().unwrap()
     }
 
+    /// The controller's time.
+    pub fn now(&self) -> Duration {
+        self.client.now()
+    }
+
     /// Set-points of axes 1 and 2, in pulses.
     pub fn at(&self) -> [f64; 2] {
         let board = self.board.lock().unwrap_or_else(PoisonError::into_inner);
