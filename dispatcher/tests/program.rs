@@ -162,6 +162,8 @@ fn a_trace_over_the_link_is_that_of_its_own_stream() {
             TraceEvent::Row(row, samples) => {
                 rows.push((row, samples.axes.iter().map(|s| (s.pos.get(), s.vel_mantissa.get())).collect::<Vec<_>>()))
             }
+            // Where the machine's 0 is comes unasked.
+            TraceEvent::Zero(_) => {}
             TraceEvent::Action(_) | TraceEvent::Outputs(_) | TraceEvent::Period(_) => panic!("nobody asked for that"),
             TraceEvent::End { lost, .. } => ended = lost == 0,
         });
@@ -220,6 +222,7 @@ fn the_trace_has_every_row_and_the_planned_motion() {
             rows.push((row, sample.pos.get(), velocity));
             assert_eq!(samples.iter().nth(1).unwrap().pos.get(), 0);
         }
+        TraceEvent::Zero(_) => panic!("nothing is renamed"),
         TraceEvent::Action(_) | TraceEvent::Outputs(_) | TraceEvent::Period(_) => panic!("nobody asked for that"),
         TraceEvent::End { rows, lost } => end = Some((rows, lost)),
     });

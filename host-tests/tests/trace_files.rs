@@ -163,6 +163,34 @@ fn vcd_shows_every_step_once_and_evenly() {
     assert_eq!(changes(&out, "do4"), [(0, false), (3_000_000, true)]);
 }
 
+/// A position that gets another name is no motion, also where the set-point is no whole pulse.
+#[test]
+fn vcd_shows_no_step_of_a_name() {
+    let header = Header { axes: vec![axis(1), axis(2)], lasers: vec![], crds: vec![], period_ns: 1_000_000, every: 1 };
+    let mut out = Vec::new();
+    let mut vcd = VcdWriter::new(&mut out, &header, &[], &[]).unwrap();
+    let still = Scaled::default();
+    // Axis 1 stands at 4.4 pulses of the machine, called 104.4: then it is called -1000, and goes
+    // 0.2 pulses on, which is a step. Axis 2 moves 3 pulses while axis 1 is renamed.
+    let part = PULSE * 2 / 5;
+    vcd.zero(0, Pos(100 * PULSE));
+    for (index, positions) in
+        [[104 * PULSE + part, 0], [-1000 * PULSE, 3 * PULSE], [-1000 * PULSE + PULSE / 5, 3 * PULSE]]
+            .into_iter()
+            .enumerate()
+    {
+        if index == 1 {
+            vcd.zero(0, Pos(-1104 * PULSE - part));
+        }
+        vcd.row(&row(index as u32, header.row_ns(), &positions.map(|at| (at, still)))).unwrap();
+    }
+    vcd.finish().unwrap();
+    let rising = |name| changes(&out, name).into_iter().filter(|c| c.1).map(|c| c.0).collect::<Vec<_>>();
+    assert_eq!(rising("axis1_step"), [1_499_999]);
+    assert_eq!(rising("axis2_step").len(), 3);
+    assert_eq!(changes(&out, "axis1_dir"), [(0, false)]);
+}
+
 #[test]
 fn vcd_refuses_what_its_scale_cannot_show() {
     let header = Header { axes: vec![axis(5)], lasers: vec![], crds: vec![], period_ns: 10_000, every: 1 };

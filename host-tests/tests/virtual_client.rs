@@ -88,7 +88,12 @@ fn rows_of(client: &Client) -> Arc<Mutex<(Vec<Row>, bool)>> {
                 match item {
                     Item::Row(row) => kept.0.push(row),
                     Item::End { .. } => kept.1 = true,
-                    Item::Header(_) | Item::Laser { .. } | Item::Light { .. } | Item::Output(_) | Item::Analog(_) => {}
+                    Item::Header(_)
+                    | Item::Laser { .. }
+                    | Item::Light { .. }
+                    | Item::Output(_)
+                    | Item::Analog(_)
+                    | Item::Zero { .. } => {}
                 }
                 Ok(())
             })

@@ -119,7 +119,7 @@ fn the_trace_reports_every_edge_of_the_outputs() {
                 .feed(bytes, |item| {
                     match item {
                         Item::Header(header) => assert_eq!(header.lasers.len(), 2),
-                        Item::Light { .. } | Item::Output(_) | Item::Analog(_) => {}
+                        Item::Light { .. } | Item::Output(_) | Item::Analog(_) | Item::Zero { .. } => {}
                         Item::Laser { laser, change } => reported.0[laser].add(&change, 0),
                         Item::Row(row) => reported.2 = row.t_ns,
                         Item::End { .. } => reported.1 = true,
@@ -333,7 +333,12 @@ fn the_trace_reports_that_everything_rests() {
             match item {
                 Item::Laser { laser, change } => reported.0[laser].add(&change, 0),
                 Item::Row(row) => reported.1 = row.t_ns,
-                Item::Header(_) | Item::Light { .. } | Item::Output(_) | Item::Analog(_) | Item::End { .. } => {}
+                Item::Header(_)
+                | Item::Light { .. }
+                | Item::Output(_)
+                | Item::Analog(_)
+                | Item::Zero { .. }
+                | Item::End { .. } => {}
             }
             Ok(())
         });

@@ -8,7 +8,8 @@
 //! A row carries positions in units of 2^-22 pulse, velocities as mantissa and exponent, and powers
 //! and frequencies of lasers in units of 2^-44, exactly as the servo holds them. The reader
 //! converts them. Between rows come, on request, the [`Action`]s of a laser channel, and the levels
-//! of the general [`Outputs`] when they change. A [`Period`] reports a change of the tick period.
+//! of the general [`Outputs`] when they change. A [`Period`] reports a change of the tick period, a
+//! [`Zero`] another name of a position.
 
 use crate::command::{Wire, wire_structs};
 use crate::deframe::{Deframer, Outcome};
@@ -17,7 +18,7 @@ use zerocopy::little_endian::{I16, I64, U16, U32, U64};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
 /// Version of this stream.
-pub const VERSION: u8 = 4;
+pub const VERSION: u8 = 5;
 /// Most axes in a trace.
 pub const MAX_AXES: usize = 64;
 /// Most laser channels in a trace.
@@ -37,6 +38,7 @@ const ROW: u8 = 1;
 const ACTION: u8 = 2;
 const OUTPUTS: u8 = 3;
 const PERIOD: u8 = 4;
+const ZERO: u8 = 5;
 
 wire_structs! {
     /// The first frame, after its kind: tick period in ns, ticks from row to row, clock of the
@@ -66,6 +68,10 @@ wire_structs! {
     Outputs { tick: U32, at: U32, levels: U64 }
     /// The tick period from the tick `tick` (from row 0) on, ns.
     Period { tick: U32, period_ns: U32 }
+    /// From the next row on the position of an axis, the column `column` from 0, is called `by` more,
+    /// in 2^-22 pulse, and the machine does not move: ZeroPos, SetPrfPos, SynchAxisPos, Reset. Those
+    /// before row 0 say what it is called since power-on. `tick` is the one that it holds from.
+    Zero { tick: U32, column: u8, by: I64 }
     /// A number of counts of the laser timers: whole + part/of, where 0 stands for 2^32.
     Count { whole: U64, part: U32, of: U32 }
     /// An action of a laser channel for the tick `tick` (from row 0 on), `at` ns after it. `kind`:
@@ -224,6 +230,14 @@ impl Encoder {
         self.add(&[&[PERIOD], period.as_bytes()])
     }
 
+    /// Adds another name of an axis's position, before the first row that it holds for.
+    ///
+    /// # Errors
+    /// [`Full`].
+    pub fn zero(&mut self, zero: &Zero) -> Result<(), Full> {
+        self.add(&[&[ZERO], zero.as_bytes()])
+    }
+
     fn add(&mut self, parts: &[&[u8]]) -> Result<(), Full> {
         let size = parts.iter().fold(0usize, |sum, part| sum.saturating_add(part.len()));
         if self.len.saturating_add(size) > MAX_BODY {
@@ -317,6 +331,8 @@ pub enum TraceEvent<'a> {
     Outputs(Outputs),
     /// The tick period changes.
     Period(Period),
+    /// A position gets another name.
+    Zero(Zero),
     /// It is over: rows sent, and rows that the controller could not send.
     End {
         /// Rows sent.
@@ -529,6 +545,11 @@ fn rows(bytes: &[u8], columns: Counts, next_row: &mut u32, sink: &mut impl FnMut
             PERIOD => Period::read_from_prefix(body).ok().map(|(period, after)| {
                 sink(Ok(TraceEvent::Period(period)));
                 after
+            }),
+            ZERO => Zero::read_from_prefix(body).ok().and_then(|(zero, after)| {
+                let known = usize::from(zero.column) < columns.axes;
+                known.then(|| sink(Ok(TraceEvent::Zero(zero))))?;
+                Some(after)
             }),
             _ => None,
         };

@@ -347,6 +347,7 @@ fn malformed_messages_are_reported_as_on_the_page() {
 
 #[test]
 fn a_trace_is_that_of_the_page() {
+    assert!(page().contains(&format!("| version is {} |", trace::VERSION)));
     let lines = block("trace");
     let wire: Vec<u8> = lines.iter().flat_map(|line| bytes(&columns::<2>(line)[1])).collect();
     let mut encoder = trace::Encoder::new();
@@ -387,6 +388,8 @@ fn a_trace_is_that_of_the_page() {
     encoder.row(0, &samples(0)).unwrap();
     let period = trace::Period { tick: 0.into(), period_ns: 50_000.into() };
     encoder.period(&period).unwrap();
+    let zero = trace::Zero { tick: 1.into(), column: 0, by: (-5 << 22).into() };
+    encoder.zero(&zero).unwrap();
     encoder.action(&action).unwrap();
     encoder.outputs(&outputs).unwrap();
     encoder.row(1, &samples(1)).unwrap();
@@ -394,7 +397,7 @@ fn a_trace_is_that_of_the_page() {
     encoder.end(2, 0).unwrap();
     drain(&mut encoder);
     assert!(encoder.is_empty());
-    assert_eq!(ours, wire);
+    assert_eq!(ours, wire, "{ours:02X?}");
     let mut decoder = trace::Decoder::new();
     let mut came = 0;
     for byte in wire {
@@ -412,11 +415,12 @@ fn a_trace_is_that_of_the_page() {
                 trace::TraceEvent::Action(got) => assert_eq!(got, action),
                 trace::TraceEvent::Outputs(got) => assert_eq!(got, outputs),
                 trace::TraceEvent::Period(got) => assert_eq!(got, period),
+                trace::TraceEvent::Zero(got) => assert_eq!(got, zero),
                 trace::TraceEvent::End { rows, lost } => assert_eq!((rows, lost), (2, 0)),
             }
             came += 1;
         });
     }
-    assert_eq!(came, 7);
+    assert_eq!(came, 8);
     assert!(decoder.ended());
 }

@@ -118,6 +118,7 @@ fn read_of(wire: &[u8], (axes, lasers, crds): (usize, usize, usize)) -> (u32, u3
                 );
             }
             Ok(TraceEvent::Period(_)) => panic!("the tick did not change"),
+            Ok(TraceEvent::Zero(_)) => panic!("nothing was renamed"),
             Ok(TraceEvent::End { .. }) => {}
             Err(error) => errors.push(error),
         });

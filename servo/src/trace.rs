@@ -5,7 +5,7 @@
 //! counts it; the row numbers show which.
 use crate::capacity::{GeneralOutputs, TRACE_SAMPLES};
 use crate::laser::{ANALOG, Action, LaserPlan, PowerTables};
-use crate::units::{AxisMask, CrdMask};
+use crate::units::{Axis, AxisMask, CrdMask, Pos};
 use crate::view::{Sample, Traced};
 use ring::Producer;
 
@@ -84,6 +84,20 @@ impl Trace {
     pub(crate) fn record_carried(&mut self, channel: u8, carried: [Action; 3], samples: &mut TraceSamples) {
         for action in carried {
             self.put(Sample { row: 0, of: Traced::Action { channel, at: 0, action } }, samples);
+        }
+    }
+
+    /// What the planned position of an axis is called when the trace begins.
+    pub(crate) fn record_zero(&mut self, axis: Axis, zero: Pos, samples: &mut TraceSamples) {
+        if zero.0 != 0 {
+            self.put(Sample { row: 0, of: Traced::Zero { axis, by: zero } }, samples);
+        }
+    }
+
+    /// It is called so much more from the next row on.
+    pub(crate) fn record_name(&mut self, axis: Axis, by: Pos, samples: &mut TraceSamples) {
+        if by.0 != 0 && self.every != 0 && self.chosen.axes.has(axis) {
+            self.put(Sample { row: self.tick.wrapping_add(1), of: Traced::Zero { axis, by } }, samples);
         }
     }
 

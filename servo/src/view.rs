@@ -322,6 +322,14 @@ pub enum Traced {
         /// The motion in its piece; for an axis that is led, a motion with its velocity.
         motion: Motion,
     },
+    /// The planned position at which the machine's set-point of an axis is 0 changes by so much. It
+    /// comes before the first row that it holds for; at row 0 it is what it was since power-on.
+    Zero {
+        /// Which one.
+        axis: Axis,
+        /// By how much.
+        by: Pos,
+    },
     /// A coordinate system.
     Crd {
         /// Which one.

@@ -176,6 +176,11 @@ impl<const AXES: usize> TraceOut<AXES> {
             }
             Traced::Action { channel, at, action } => return self.action(sample.row, channel, at, action).is_ok(),
             Traced::SafeState { channel } => return self.safe_state(sample.row, channel).is_ok(),
+            Traced::Zero { axis, by } => {
+                let column = (self.columns.axes.0 & ones(axis.index())).count_ones() as u8;
+                let zero = trace::Zero { tick: sample.row.into(), column, by: by.0.into() };
+                return self.encoder.zero(&zero).is_ok();
+            }
             Traced::Period { ns } => {
                 let period = trace::Period { tick: sample.row.into(), period_ns: ns.into() };
                 return self.encoder.period(&period).is_ok();

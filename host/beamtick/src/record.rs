@@ -296,6 +296,12 @@ impl Sinks {
                 }
                 Ok(())
             }
+            Item::Zero { axis, by } => {
+                if let Some(vcd) = self.open.as_mut().and_then(|open| open.vcd.as_mut()) {
+                    vcd.zero(axis, by);
+                }
+                Ok(())
+            }
             Item::Row(row) => self.open.as_mut().map_or(Ok(()), |open| open.row(&row)),
             Item::End { .. } => Ok(()),
         }

@@ -196,6 +196,12 @@ impl Recorder {
                     }
                     Ok(())
                 }
+                Item::Zero { axis, by } => {
+                    if let Some(vcd) = Stream::writer(vcd) {
+                        vcd.zero(axis, by);
+                    }
+                    Ok(())
+                }
                 Item::Row(row) => {
                     if let Some(Some(plot)) = &mut picture {
                         plot.row(&row);

@@ -218,13 +218,18 @@ fn lasers(file: &File) -> Result<Vec<Laser>, Fault> {
     Ok(found)
 }
 
-/// The known key that is nearest to an unknown one, where the reader's message is about one.
+/// How like an unknown key a known one is that may be meant: 1 is equal.
+const LIKENESS_MIN: f64 = 0.8;
+
+/// The known key that an unknown one may be a misspelling of, where the reader's message is about
+/// one.
 pub(crate) fn nearest_key(message: &str) -> Option<String> {
     // The message quotes the unknown key first, then the known ones.
     let mut quoted = message.strip_prefix("unknown field ")?.split('`').skip(1).step_by(2);
     let got = quoted.next()?;
-    let closeness = |key: &str| strsim::jaro_winkler(&got.to_lowercase(), key);
-    let nearest = quoted.max_by(|a, b| closeness(a).total_cmp(&closeness(b)))?;
+    let likeness = |key: &str| strsim::jaro_winkler(&got.to_lowercase(), key);
+    let nearest = quoted.max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    let nearest = nearest.filter(|key| likeness(key) >= LIKENESS_MIN)?;
     Some(format!("the nearest known key is `{nearest}`"))
 }
 

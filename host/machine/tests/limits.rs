@@ -288,6 +288,9 @@ fn layers_are_checked_and_an_unknown_key_names_the_nearest() {
         let line = line + usize::from(lines.starts_with('['));
         assert!(error.starts_with(&format!("m.toml:{line}: ")) && error.contains(says), "{lines}: {error}");
     }
+    // What no key is like names none.
+    let error = with("wat = 2").0.unwrap_err();
+    assert!(error.contains("unknown field `wat`") && !error.contains("nearest"), "{error}");
     for lines in ["[[layers]]\nspeed = 5", "[[layers]]\npower = 5"] {
         let error = with(lines).0.unwrap_err();
         assert!(error.contains("a layer needs power and speed, or skip = true"), "{error}");

@@ -35,7 +35,7 @@ impl Arc {
         if !fits(by, radius) {
             return Err(format!(
                 "the radius does not fit: it is {radius:.4} mm at the start and {radius_end:.4} mm at the end; \
-                 they may differ by 0.005 mm, or by 0.1 % and 0.5 mm"
+                 they may differ by 0.005 mm, or by 0.1 % of it and at most 0.5 mm"
             ));
         }
         let turn = std::f64::consts::TAU;

@@ -1,6 +1,7 @@
 //! Numbers of a job, quickly: long programs are made of them.
 //!
-//! In: a number. Out: what `Display` of f64 writes, the shortest digits that read back as it.
+//! In: a number. Out: the shortest digits that read back as it, without an exponent, as `Display` of
+//! f64 writes them; of two that are as near the last digit may be the other one.
 use std::fmt::{Display, Formatter, Result};
 
 /// A number of a job.
@@ -25,7 +26,7 @@ mod tests {
     use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
     #[test]
-    fn numbers_are_written_as_display_writes_them() {
+    fn numbers_are_as_short_as_display_writes_them_and_read_back() {
         let mut chance = SplitMix64::seed_from_u64(0);
         let random = std::iter::repeat_with(|| chance.next_u64());
         let edges = [0.0, -0.0, 0.1, 50.0, -2.5, 1e-5, 9.9e-6, 1e15, 1e16, 1e17, 1e21, f64::MIN_POSITIVE, f64::MAX];
@@ -33,7 +34,10 @@ mod tests {
         let all = edges.into_iter().chain(special);
         let common = random.take(100_000).flat_map(|bits| [f64::from_bits(bits), (bits >> 20) as f64 / 1e6]);
         for value in all.chain(common) {
-            assert_eq!(Number(value).to_string(), value.to_string());
+            let text = Number(value).to_string();
+            assert_eq!(text.len(), value.to_string().len(), "{text} {value}");
+            let same = text.parse::<f64>().unwrap().to_bits() == value.to_bits();
+            assert!(same || value.is_nan(), "{text} {value}");
         }
     }
 }

@@ -38,6 +38,14 @@ pub enum Item {
     Output(OutputEdge),
     /// An analog output was set, in the same manner.
     Analog(AnalogEdge),
+    /// Before the first row that it holds for: the position of an axis is called so much more, and
+    /// the machine does not move.
+    Zero {
+        /// Its index among the axes of the header.
+        axis: usize,
+        /// By how much.
+        by: Pos,
+    },
     /// A row.
     Row(Row),
     /// The trace is over, after this many rows.
@@ -181,13 +189,14 @@ impl Made {
                 self.ticks.renew(period.tick.get().into(), period.period_ns.get().into());
                 Ok(())
             }
+            TraceEvent::Zero(zero) => sink(Item::Zero { axis: zero.column.into(), by: Pos(zero.by.get()) }),
             TraceEvent::End { rows, .. } => sink(Item::End { rows }),
         }
     }
 
     fn action(&mut self, sent: &trace::Action, sink: &mut impl FnMut(Item) -> Result<()>) -> Result<()> {
         if sent.kind == kind::ANALOG {
-            let t_ns = u64::from(sent.tick.get()) * self.header.period_ns + u64::from(sent.at.get());
+            let t_ns = self.ticks.at(sent.tick.get().into()) + u64::from(sent.at.get());
             let edge = AnalogEdge { t_ns, output: sent.channel.saturating_add(1), code: sent.value.get() };
             return sink(Item::Analog(edge));
         }

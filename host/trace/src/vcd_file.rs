@@ -2,7 +2,7 @@
 //! `laserK_switch`, `laserK_dac_mv`.
 //!
 //! In: rows, and what digital and laser outputs did before each of them. Out: value changes. The
-//! whole pulses between two rows are spread over the time between them as
+//! whole pulses of the machine between two rows are spread over the time between them as
 //! `servo::output::step_generator` says; a step is high for half the distance to the next. A level
 //! that lasts for no time is not shown. Owns at most one row's changes.
 use crate::row::{AnalogEdge, AxisName, Header, OutputEdge, Row};
@@ -32,7 +32,9 @@ struct AxisSignals {
     step: usize,
     dir: usize,
     backwards: bool,
-    pos: Pos,
+    /// What the machine's 0 is called, and its set-point.
+    zero: Pos,
+    set_point: Pos,
 }
 
 /// Signals of one laser, by their indices.
@@ -81,7 +83,8 @@ impl<W: Write> VcdWriter<W> {
                 step: declare(&mut out, format!("{axis}_step"), low)?,
                 dir: declare(&mut out, format!("{axis}_dir"), low)?,
                 backwards: false,
-                pos: Pos(0),
+                zero: Pos(0),
+                set_point: Pos(0),
             });
         }
         let mut places = Vec::new();
@@ -142,16 +145,22 @@ impl<W: Write> VcdWriter<W> {
         }
     }
 
+    /// The position of an axis (its index in the header) is called so much more from the next row
+    /// on: no step.
+    pub fn zero(&mut self, axis: usize, by: Pos) {
+        if let Some(AxisSignals { zero, .. }) = self.axes.get_mut(axis) {
+            *zero = Pos(zero.0.wrapping_add(by.0));
+        }
+    }
+
     /// Takes a row and writes all changes before it.
     pub fn row(&mut self, row: &Row) -> Result<()> {
         for (signals, point) in self.axes.iter_mut().zip(&row.axes) {
-            let Some((index, start)) = self.row else {
-                signals.pos = point.pos;
-                continue;
-            };
+            let set_point = Pos(point.pos.0.wrapping_sub(signals.zero.0));
+            let before = std::mem::replace(&mut signals.set_point, set_point);
+            let Some((index, start)) = self.row else { continue };
             let length = row.t_ns.saturating_sub(start);
-            let steps = step_generator::between(signals.pos, point.pos);
-            signals.pos = point.pos;
+            let steps = step_generator::between(before, set_point);
             let count = steps.unsigned_abs();
             if count > length / 2 {
                 return Err(TraceError::TooManySteps { axis: signals.axis, row: index, steps: count, row_ns: length });

@@ -13,6 +13,11 @@ impl AxisState {
         Pos(self.published.pos.0.wrapping_sub(self.zero.0))
     }
 
+    /// The planned position where the machine's set-point is 0.
+    pub(crate) fn zero(&self) -> Pos {
+        self.zero
+    }
+
     /// At standstill, the planned position gets the name `at`; the machine does not move.
     pub(crate) fn rename(&mut self, at: Pos) {
         if !self.runs() {

@@ -14,8 +14,8 @@ use crate::port::{InputTime, Port, Simulated};
 use crate::segment::follow::{Input, Method};
 use crate::tick::{MotionSource, PERIOD_NS, Tick, report_event};
 use crate::tick_command::{Brake, DoGroup, Lane, LaneEntry, MotionMode, TickCommand};
-use crate::trace::Chosen;
-use crate::units::{Axis, AxisMask, CrdMask, Ns};
+use crate::trace::{Chosen, TraceSamples};
+use crate::units::{Axis, AxisMask, CrdMask, Ns, Pos};
 use crate::view::{Event, StopReason};
 
 impl<const AXES: usize> Tick<AXES> {
@@ -147,9 +147,11 @@ impl<const AXES: usize> Tick<AXES> {
                 self.all(axes, AxisState::clear_status);
                 self.lasers.crd_cleared(self.holders(axes), next);
             }
-            TickCommand::Zero { axes } => self.renamed(axes, AxisState::zero_position),
-            TickCommand::Synchronise { axes } => self.renamed(axes, AxisState::synchronise),
-            TickCommand::SetPosition { axis, pos } => self.renamed(axis.mask(), |state| state.rename(pos)),
+            TickCommand::Zero { axes } => self.renamed(axes, AxisState::zero_position, hand_overs.samples),
+            TickCommand::Synchronise { axes } => self.renamed(axes, AxisState::synchronise, hand_overs.samples),
+            TickCommand::SetPosition { axis, pos } => {
+                self.renamed(axis.mask(), |state| state.rename(pos), hand_overs.samples)
+            }
             TickCommand::SetEncoder { axis, pulses } => self.one(axis, |state| state.set_encoder(pulses)),
             TickCommand::SetMode { axis, mode } => {
                 self.one(axis, |state| state.set_mode(mode));
@@ -273,8 +275,8 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// An axis at standstill gets its power-on state.
-    pub(crate) fn reset_axis(&mut self, axis: Axis) {
-        self.one(axis, AxisState::reset);
+    pub(crate) fn reset_axis(&mut self, axis: Axis, samples: &mut TraceSamples) {
+        self.name(axis.mask(), AxisState::reset, samples);
     }
 
     fn all(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
@@ -310,9 +312,20 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// The same where positions get other user values.
-    fn renamed(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState)) {
-        self.all(axes, change);
+    fn renamed(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState), samples: &mut TraceSamples) {
+        self.name(axes, change, samples);
         self.rename_crds();
+    }
+
+    /// Each axis by itself.
+    fn name(&mut self, axes: AxisMask, change: impl Fn(&mut AxisState), samples: &mut TraceSamples) {
+        for axis in self.in_use(axes).axes() {
+            let Some(state) = self.axes.get_mut(axis.index()) else { continue };
+            let before = state.zero();
+            change(state);
+            state.mark_changed();
+            self.trace.record_name(axis, Pos(state.zero().0.wrapping_sub(before.0)), samples);
+        }
     }
 
     /// The axes of a mask that are in use.

@@ -18,6 +18,9 @@ impl<const AXES: usize> Tick<AXES> {
         for (index, state) in self.axes.iter().enumerate().take(self.used) {
             let Some(axis) = Axis::new(index) else { break };
             if chosen.axes.has(axis) {
+                if row == 0 {
+                    self.trace.record_zero(axis, state.zero(), samples);
+                }
                 let published = &state.published;
                 let motion = if published.lead.is_some() || published.drive.is_some() {
                     let axes = |axis: Axis| Some(&self.axes.get(axis.index())?.published);

@@ -262,7 +262,7 @@ impl<const AXES: usize> Tick<AXES> {
                 return false;
             }
             budget.spend(weight::RESET);
-            self.reset_axis(axis);
+            self.reset_axis(axis, hand_overs.samples);
         }
         self.resetting = 0;
         true

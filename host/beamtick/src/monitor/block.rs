@@ -72,7 +72,9 @@ pub fn machine(state: &State) -> Vec<Line> {
             _ => (format!("{:12.1} pulses", axis.position_pulse), format!("{:10.2} pulse/ms", axis.velocity_pulse_ms)),
         };
         let does = match (axis.moves, axis.on) {
-            (true, _) => "moves",
+            (true, _) if axis.velocity_pulse_ms != 0.0 => "moves",
+            // Another axis of its path moves, or it waits.
+            (true, _) => "runs",
             (false, true) => "stands",
             (false, false) => "off",
         };

@@ -56,7 +56,7 @@ fn sample() -> State {
         board: "virtual".to_owned(),
         link: "tcp:127.0.0.1:5002".to_owned(),
         clock_s: 83.4,
-        axes: vec![axis("X", 12.345, 600.0), axis("Y", -0.0, 0.0)],
+        axes: vec![axis("X", 12.345, 600.0), axis("Y", -0.0, 0.0), AxisNow { moves: true, ..axis("Z", 1.0, 0.0) }],
         paths: vec![PathNow {
             core: 1,
             number: 1,
@@ -86,6 +86,7 @@ fn the_block_says_what_the_machine_does() {
 virtual at tcp:127.0.0.1:5002, read-only; on for 0:01:23
 X              12.345 mm      600.0 mm/min  moves
 Y               0.000 mm        0.0 mm/min  stands
+Z               1.000 mm        0.0 mm/min  runs
 laser 0  LIGHT 50.00 %, 10.00 kHz
 laser 1  dark
 path 1   runs at 600.0 mm/min; FIFO 312 of 1024, dry in 1.2 s
