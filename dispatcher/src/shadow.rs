@@ -123,6 +123,10 @@ impl ShadowChange {
     /// Whether its execution may end what keeps a command from an axis, a table or a coordinate
     /// system now: a motion, a latched fault, a use.
     pub fn may_free(&self, reason: Reason) -> bool {
+        // All data that was given counts already.
+        if reason == Reason::CrdEmpty {
+            return matches!(self, ShadowChange::Stopped { .. });
+        }
         match self {
             ShadowChange::Reset { .. }
             | ShadowChange::Servo { on: false, .. }
@@ -135,6 +139,8 @@ impl ShadowChange {
             // Data after it already counts from an empty FIFO: only slots that the tick reads get
             // free.
             ShadowChange::Emptied { .. } | ShadowChange::FollowEmptied { .. } => reason == Reason::FifoInUse,
+            // It may end the light of a path that would come back.
+            ShadowChange::Laser { .. } => reason == Reason::LaserMapInUse,
             ShadowChange::Cleared { .. } | ShadowChange::Table { .. } | ShadowChange::Crd { .. } => {
                 !matches!(reason, Reason::Moving | Reason::OnlyAtStandstill | Reason::CrdRuns)
             }
@@ -175,6 +181,12 @@ impl<const AXES: usize> Shadows<AXES> {
     /// through.
     pub fn axis(&self, axis: Axis) -> &AxisShadow {
         &self.axes[axis.index().min(AXES - 1)]
+    }
+
+    /// Whether a start is in flight that the tick may refuse, as far as the view shows.
+    pub fn may_not_start(&self, view: &View<AXES>) -> bool {
+        self.axes.iter().zip(&view.axes).any(|(shadow, sampled)| shadow.may_not_start(view, sampled))
+            || self.crds.iter().any(|crd| crd.may_start_elsewhere(view))
     }
 
     /// Whether a PVT table holds data.

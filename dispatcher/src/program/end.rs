@@ -79,9 +79,13 @@ impl Program<'_> {
             Cure::Motion if refused.is_final() => true,
             // Data for a look-ahead waits for what was given before it, and then it is taken.
             _ if refused.reason == Reason::CrdFifoInUse => self.is_past(poll.admission, view),
-            // Of these only the end makes the record right ([`ShadowChange::may_free`]).
-            Cure::Motion => self.is_reached(view) || self.is_settled(view, refused.reason),
-            Cure::State => self.is_reached(view),
+            Cure::State if !matches!(refused.reason, Reason::CrdEmpty | Reason::LaserMapInUse) => self.is_reached(view),
+            // Of these only an end makes the record right ([`ShadowChange::may_free`]), or that what
+            // it is refused for does not begin.
+            Cure::Motion | Cure::State => {
+                let settled = self.is_settled(view, refused.reason) && !poll.admission.admitted.may_not_start(view);
+                self.is_reached(view) || settled
+            }
         };
         // Calls before it in a PathMany are answered with it.
         let waits = self.joined.has_begun() && !self.replies.items.is_empty();

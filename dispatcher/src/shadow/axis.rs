@@ -4,7 +4,7 @@ use super::{PROGRAM_FLAG, SOFT_OFF, executed, is_in_flight, is_up_to};
 use protocol::command::{JogPrm, TrapPrm};
 use protocol::values::pt_state;
 use servo::segment::pt::Chain;
-use servo::status::RUNNING;
+use servo::status::{RUNNING, SERVO_ON};
 use servo::tick_command::MotionMode;
 use servo::units::{Crd, Pos};
 use servo::view::{AxisView, View};
@@ -136,6 +136,17 @@ impl AxisShadow {
         // flight, too.
         let idle = self.busy.is_none_or(|seq| executed(view, seq)) && axis.fifo != fifo && !self.may_switch(view, axis);
         self.is_outgoing(view, axis) || busy && !idle && self.follow.is_invalid(view, fifo)
+    }
+    /// Whether a start is in flight that the tick refuses as far as the view shows: its servo is off
+    /// or a fault is latched, and nothing before the start changes that.
+    pub fn may_not_start<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
+        let Some(start) = self.started.filter(|&seq| !executed(view, seq)) else { return false };
+        let before = |seq: u32| (seq ^ start) & PROGRAM_FLAG == 0 && is_up_to(seq, start) && !executed(view, seq);
+        let on = match self.servo {
+            Some((seq, on)) if before(seq) => on,
+            _ => axis.status & SERVO_ON != 0,
+        };
+        !on || axis.blocked != 0 && !self.cleared.is_some_and(before)
     }
     /// Whether a PT or ramp motion may be running when the next entry acts.
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {

@@ -193,6 +193,9 @@ pub struct PathShadow {
     /// After a Stop, or with data that came after its start, its path was renamed or ran with the
     /// other FIFO. Where its next motion begins depends on which of its motions were over then.
     pub left: bool,
+    /// The entry that renamed its path, or started it with the other FIFO, while it held data; none
+    /// once it has run after that.
+    passed: Option<u32>,
     /// Entries from the last start before it was emptied to that: 0 is none,
     /// [`LEAVING_MAX_ENTRIES`] many, or they are of two lanes.
     leaving: u8,
@@ -301,6 +304,11 @@ impl CrdShadow {
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         sampled.runs || is_in_flight(view, self.busy)
     }
+    /// Whether a start is in flight that may find the path elsewhere than its FIFO was left. Then the
+    /// tick refuses it.
+    pub fn may_start_elsewhere<const AXES: usize>(&self, view: &View<AXES>) -> bool {
+        is_in_flight(view, self.started) && self.path(self.fifo).passed.is_some()
+    }
     /// Motions of a FIFO that are done, and those that remain.
     pub fn segments(&self, sampled: &CrdView, fifo: u8) -> (u32, u32) {
         let index = usize::from(fifo & 1);
@@ -337,11 +345,14 @@ impl CrdShadow {
     }
 
     /// The path moves beside a FIFO, or is renamed.
-    fn leave(&mut self, fifo: u8) {
+    fn leave(&mut self, fifo: u8, seq: u32) {
         // Else a view has shown what is over.
         let within = fifo == self.fifo && self.busy.is_some() && (self.stopped || self.fed || self.may_fail);
         let path = self.path_mut(fifo);
         path.left |= path.data.open && within;
+        if path.data.open {
+            path.passed = Some(seq);
+        }
         path.data.forget_position();
     }
 
@@ -368,7 +379,11 @@ impl CrdShadow {
     /// Calls `young` with every entry number.
     pub(super) fn renew_numbers(&mut self, young: &mut impl FnMut(&mut u32)) {
         [&mut self.started, &mut self.busy, &mut self.last].into_iter().flatten().for_each(&mut *young);
-        self.fifos.iter_mut().flat_map(|path| [&mut path.emptied, &mut path.last]).flatten().for_each(young);
+        self.fifos
+            .iter_mut()
+            .flat_map(|path| [&mut path.emptied, &mut path.last, &mut path.passed])
+            .flatten()
+            .for_each(young);
     }
 
     /// Enters a change that goes with entry `seq`.
@@ -416,13 +431,13 @@ impl CrdShadow {
                 if let Some(here) = self.here.take() {
                     self.path_mut(fifo).data.stand_at(&here);
                 }
-                self.leave(fifo ^ 1);
+                self.leave(fifo ^ 1, seq);
                 (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
                 (self.stopped, self.fed, self.may_fail) = (false, false, may_fail);
             }
             CrdChange::Placed => {
                 self.here = None;
-                (0..2).for_each(|fifo| self.leave(fifo));
+                (0..2).for_each(|fifo| self.leave(fifo, seq));
             }
             // One that is at standstill is not stopped within its data. A Stop beside the program
             // may come before a wait of the program.
@@ -477,6 +492,10 @@ impl CrdShadow {
         }
         self.forget_moved();
         if self.busy.is_some() || sampled.runs {
+            if sampled.runs {
+                let path = self.path_mut(sampled.fifo);
+                path.passed = path.passed.filter(|&seq| !executed(view, seq));
+            }
             if done(self.busy) && sampled.fifo == self.fifo {
                 self.follow_running(view, sampled, quiet);
             }

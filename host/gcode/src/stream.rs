@@ -202,6 +202,25 @@ impl<'a> Stream<'a> {
         self.state = new;
     }
 
+    /// As M5: what an alarm leaves.
+    pub fn laser_off(&mut self) {
+        self.state.spindle = Spindle::Off;
+    }
+
+    /// What a line would leave on: whether the laser is on after it.
+    ///
+    /// # Errors
+    /// Why nothing of it would be done.
+    pub fn tried(&mut self, text: &str) -> Result<bool, String> {
+        let (state, mark) = (self.state.clone(), self.writer.mark());
+        let done = self.line(text);
+        let on = self.state.spindle != Spindle::Off;
+        self.state = state;
+        self.writer.back(&mark);
+        let ended = done?.ended;
+        if ended == Ended::No { Ok(on) } else { Err("a start-up line has no M0, M2 and M30".to_owned()) }
+    }
+
     /// Coordinate systems, offsets and the positions of G28 and G30 as at the beginning.
     pub fn forget_offsets(&mut self) {
         let new = State::new(self.machine);

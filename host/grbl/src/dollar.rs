@@ -78,9 +78,9 @@ impl Session<'_> {
             }
             _ => match self.set(&bare) {
                 Ok(()) => 0,
-                Err(why) => {
+                Err((number, why)) => {
                     self.tell(&why);
-                    errors::BAD_STATEMENT
+                    number
                 }
             },
         };
@@ -92,22 +92,29 @@ impl Session<'_> {
     }
 
     /// `$x=val` and `$Nx=line`.
-    fn set(&mut self, bare: &str) -> Result<(), String> {
+    fn set(&mut self, bare: &str) -> Result<(), (u8, String)> {
+        let bad = |why: String| (errors::BAD_STATEMENT, why);
         let shown: String = bare.chars().take(SHOWN).collect();
-        let unknown = || format!("{shown} is no command; $ lists them");
+        let unknown = || bad(format!("{shown} is no command; $ lists them"));
         let (name, value) = bare[1..].split_once('=').ok_or_else(unknown)?;
         if name == "RST" {
-            return Err("$RST= takes $, # or *".to_owned());
+            return Err(bad("$RST= takes $, # or *".to_owned()));
         }
         if let Some(place) = name.strip_prefix('N') {
             let place = place.parse().ok().filter(|place: &usize| *place < 2);
-            self.settings.startup[place.ok_or_else(|| format!("${name}: there are $N0 and $N1"))?] = value.to_owned();
+            let place = place.ok_or_else(|| bad(format!("${name}: there are $N0 and $N1")))?;
+            // It runs whenever somebody connects: nobody asks for light then.
+            match self.stream.tried(value) {
+                Ok(false) => self.settings.startup[place] = value.to_owned(),
+                Ok(true) => return Err((errors::UNSUPPORTED, "a start-up line switches no laser on".to_owned())),
+                Err(why) => return Err((errors::number(&why), why)),
+            }
             return Ok(());
         }
         if name.is_empty() || !name.bytes().all(|byte| byte.is_ascii_digit()) {
             return Err(unknown());
         }
-        self.settings.set(name, value, self.machine)
+        self.settings.set(name, value, self.machine).map_err(bad)
     }
 
     /// `$G`.

@@ -18,7 +18,7 @@ pub const JOG_TRAVEL: u8 = 15;
 /// A jog with other words.
 pub const JOG_WORDS: u8 = 16;
 /// What is not supported.
-const UNSUPPORTED: u8 = 20;
+pub const UNSUPPORTED: u8 = 20;
 
 /// Part of a reason, and its number; the first that fits counts.
 const NUMBERS: &[(&str, u8)] = &[

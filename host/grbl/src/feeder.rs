@@ -35,6 +35,8 @@ const STANDING: Duration = Duration::from_millis(10);
 const SLOWLY: Duration = Duration::from_millis(20);
 /// What passes between two looks in virtual time.
 const STRIDE: Duration = Duration::from_millis(4);
+/// Reasons of a stop that are limits: those of the switches and of the software.
+const LIMIT_REASONS: std::ops::RangeInclusive<u16> = 4..=7;
 /// Of the logical core, the coordinate system and its FIFO.
 const CORE: i16 = 1;
 const CRD: i16 = 1;
@@ -185,6 +187,9 @@ struct Feeder {
     lasted: (Duration, u32),
     /// When axes and laser were read.
     slow: Option<Instant>,
+    /// Limits of X, Y, Z that were known when lines could come again, as bits of the status: an axis
+    /// may move off its switch.
+    known_limits: [u32; 3],
     view: View,
 }
 
@@ -236,6 +241,7 @@ impl Feeder {
         let released = locked(&self.shared.inbox).released;
         if self.view.released != released {
             (self.view.fault, self.view.released) = (None, released);
+            self.known_limits = [status::LIMITS; 3];
         }
         let stands = {
             let gate = locked(&self.shared.gate);
@@ -348,7 +354,12 @@ impl Feeder {
             if let Some(speed) = self.view.speeds.get_mut(place) {
                 *speed = item.prf_vel.get();
             }
-            let faults = item.status.get() & status::FAULTS;
+            let bits = item.status.get();
+            let known = self.known_limits.get_mut(place).map_or(0, |known| {
+                *known &= bits;
+                *known
+            });
+            let faults = bits & status::FAULTS & !known;
             if faults != 0 {
                 let reason = format!("axis {axis} stopped: {}", stop_reason(item.reason.get()));
                 self.fault(faults & status::LIMITS != 0, reason);
@@ -393,8 +404,8 @@ impl Feeder {
             };
             self.view.goes_on = info.path_stop == path_stop::STOPPED;
             if info.path_stop >= path_stop::UNDERRUN && !asked {
-                let reason = stop_reason(info.reason.get());
-                self.fault(false, format!("the path stopped: {reason}"));
+                let reason = info.reason.get();
+                self.fault(LIMIT_REASONS.contains(&reason), format!("the path stopped: {}", stop_reason(reason)));
             }
         }
     }
@@ -486,6 +497,7 @@ impl Feeder {
 
     /// Where a path ran out, its light went out with it, and counts as switched off. What follows
     /// says so only where it changes: the entries that hold at its first motion are entered anew.
+    /// Without a motion they wait for the next start.
     fn enter_light(&mut self) -> Result<(), Error> {
         if !self.light.on {
             return Ok(());
@@ -508,8 +520,8 @@ impl Feeder {
             let power = self.light.power.iter().cloned();
             entries.extend(power.map(|entry| Entry { counts: false, planned: 100, ..entry }));
             entries.push(self.on());
+            self.light.on = false;
         }
-        self.light.on = false;
         entries.extend(std::mem::take(&mut self.sent));
         (self.motions, self.fast) = (0, 0);
         while !entries.is_empty() {

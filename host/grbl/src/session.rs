@@ -307,7 +307,7 @@ impl<'a> Session<'a> {
                 self.held = false;
                 self.feed.release();
             }
-            After::Alarm => {}
+            After::Alarm => self.stream.laser_off(),
             After::Unlock { home } => {
                 self.alarm = None;
                 self.feed.release();

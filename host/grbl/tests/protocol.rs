@@ -435,3 +435,44 @@ fn a_dwell_of_nothing_after_light_ends_it() {
         rig.end();
     }
 }
+
+/// What switches outputs at standstill is no mark: the light that is on in the modal state comes back
+/// with the next motion.
+#[test]
+fn outputs_alone_at_standstill_keep_the_light_of_what_follows() {
+    for alone in ["M8", "M7", "M9", "M8\nM9", "M5\nM8", "M2"] {
+        let rig = Rig::new(MACHINE, false);
+        let mut sender = rig.sender();
+        sender.banner();
+        sender.ok("M3 S900 G1 X5 F3000");
+        sender.idle();
+        for line in alone.split('\n') {
+            sender.ok(line);
+            sender.idle();
+        }
+        sender.ok("G1 M3 S500 X15 F1200");
+        sender.until(|status| status.at[0] > 7.0 && status.at[0] < 14.0);
+        assert!(rig.lit(), "{alone}");
+        sender.idle();
+        assert_eq!((rig.lit(), rig.at()), (false, [1500.0, 0.0]), "{alone}");
+        rig.end();
+    }
+}
+
+#[test]
+fn start_up_lines_are_tried_and_switch_no_laser_on() {
+    let rig = Rig::new(MACHINE, false);
+    let mut sender = rig.sender();
+    sender.banner();
+    for (line, number) in [("$N0=garbage", 1), ("$N0=M3 S500", 20), ("$N1=M0", 20), ("$N0=G1X5", 22), ("$N2=G20", 3)] {
+        assert_eq!(sender.error(line), number, "{line}");
+    }
+    assert_eq!(sender.ok("$N"), ["$N0=", "$N1="]);
+    assert_eq!(sender.ok("$N0=G55 G91"), [""; 0]);
+    // It was tried, and has changed nothing.
+    assert!(sender.ok("$G")[0].starts_with("[GC:G0 G54 G17 G21 G90"));
+    sender.send("\x18");
+    sender.banner();
+    assert_eq!(sender.answer(), [">G55G91:ok"; 0]);
+    rig.end();
+}

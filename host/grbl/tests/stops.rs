@@ -222,3 +222,42 @@ fn a_hold_in_a_last_dwell_keeps_its_rest() {
     assert_eq!((rig.at(), rig.lit()), ([0.0, 0.0], false));
     rig.end();
 }
+
+/// A limit switch that stays active: the axis moves off it, and no line after the alarm marks.
+#[test]
+fn an_axis_moves_off_its_limit_switch() {
+    let machine = MACHINE.replacen("acceleration = 1000\n", "acceleration = 1000\nlimits = \"both\"\n", 1);
+    let rig = Rig::new(&machine, false);
+    let mut sender = rig.sender();
+    sender.banner();
+    for times in 0..3 {
+        sender.ok("G90 G1 M3 S500 F1200 X100");
+        sender.until(|status| status.at[0] > 20.0);
+        rig.board.lock().unwrap().inputs_mut().limit_positive[0] = true;
+        assert_eq!(sender.line(), "ALARM:1", "{times}");
+        assert!(sender.line().contains("the positive limit switch"));
+        let at = sender.until(|status| status.state == "Alarm" && status.speeds().0 == 0.0).at[0];
+        assert!(!rig.lit());
+        assert_eq!(sender.ok("$X"), ["[MSG:Caution: Unlocked]"]);
+        sender.ok("$J=G91 X-5 F600");
+        let status = sender.idle();
+        assert!(near(status.at[0], at - 5.0), "{status:?} {at}");
+        // On towards it: an alarm again.
+        sender.send("$J=G91 X2 F600\n");
+        assert_eq!(sender.answer(), ["ok"]);
+        assert_eq!(sender.line(), "ALARM:1", "{times}");
+        sender.line();
+        sender.until(|status| status.state == "Alarm" && status.speeds().0 == 0.0);
+        assert_eq!(sender.ok("$X"), ["[MSG:Caution: Unlocked]"]);
+        // M3 was before the alarm.
+        sender.ok("G91 G1 X-3 F600");
+        sender.until(|status| {
+            assert!(!rig.lit());
+            status.state == "Idle"
+        });
+        rig.board.lock().unwrap().inputs_mut().limit_positive[0] = false;
+        sender.ok("G90 G0 X0");
+        sender.idle();
+    }
+    rig.end();
+}

@@ -47,6 +47,7 @@ impl Feed {
             feed: 1.0,
             lasted: (Duration::ZERO, 0),
             slow: None,
+            known_limits: [0; 3],
             view: View::default(),
         };
         feeder.begin()?;
