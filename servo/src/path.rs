@@ -1,6 +1,6 @@
 //! Coordinate systems: axes driven together along a path (SPEC 5, "Coordinate systems").
 //!
-//! In: admitted [`PathEntry`]s of 32 bytes from two FIFOs, instants. Out: a [`Step`] a tick, and
+//! In: admitted [`PathEntry`]s of 32 bytes from two FIFOs, instants. Out: a [`PathReport`] a tick, and
 //! the effects of entries (outputs, laser, other axes), each with the exact instant of its position
 //! in the path. A [`Path`] keeps one period ahead: the step for the tick at `t` gives the position
 //! there and carries out all boundaries before `t + period`. So an edge inside the coming interval
@@ -21,12 +21,15 @@ mod store;
 pub use entry::{EntryContent, EntryEffect, FixedRamp, LASER_WORDS, MotionSpeeds, PathEntry, Plane, Refused, Sweep};
 pub(crate) use evaluator::INSTANTS;
 pub use evaluator::{
-    EFFECTS, Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, Step, StepReport,
+    EFFECTS, Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, StepReport,
     TrajectorySample,
 };
 pub use geometry::Curvature;
 pub use path_speed::PathSpeed;
 pub use store::{ENTRIES, EntryStore, PathEntries, PathStores};
+
+#[cfg(feature = "test-hooks")]
+pub use crate::test_hooks::Step;
 
 /// How long a path waits for what cannot be done; it is stopped in the same tick.
 pub(crate) const ENDLESS_WAIT_FINE_NS: FineNs = 1 << 80;

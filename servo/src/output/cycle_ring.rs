@@ -120,11 +120,6 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
         self.last = [self.last[1], length.wrapping_mul(times)];
     }
 
-    /// The half-word that is queued next.
-    pub fn next_word(&self) -> usize {
-        self.slot().wrapping_mul(WORDS)
-    }
-
     /// How long before the end of the queue the next cycle is read at the earliest, in counts.
     #[inline(always)]
     pub fn ahead(&self) -> u32 {
