@@ -28,9 +28,6 @@ pub use geometry::Curvature;
 pub use path_speed::PathSpeed;
 pub use store::{ENTRIES, EntryStore, PathEntries, PathStores};
 
-#[cfg(feature = "test-hooks")]
-pub use crate::test_hooks::Step;
-
 /// How long a path waits for what cannot be done; it is stopped in the same tick.
 pub(crate) const ENDLESS_WAIT_FINE_NS: FineNs = 1 << 80;
 
