@@ -101,8 +101,8 @@ enum Course {
 }
 
 servo::state! {
-    /// A motion that waits, in 64 bytes. Shares of limits are kept as f32: their rounding is far below
-    /// the margin of a plan. Speeds are exact where motions of one speed meet.
+    /// A motion that waits, in 64 bytes. Shares of limits are kept as f32: their rounding is far
+    /// below the margin of a plan. Speeds are exact where motions of one speed meet.
     #[derive(Debug, Clone, Copy)]
     struct WaitingMotion {
         /// Speed along it, as its limits allow.

@@ -1,14 +1,14 @@
 //! A coordinate system that moves.
 //!
-//! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a [`PathReport`] a
-//! tick; the effects of entries, with exact instants, to an [`Effects`]. Owns: the motion in force,
-//! a cursor for each FIFO. Fails: entries that run out at speed end the path there, and so does a
-//! wait that is reached at speed, [`PathStop::Underrun`].
+//! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a
+//! [`PathReport`] a tick; the effects of entries, with exact instants, to an [`Effects`]. Owns: the
+//! motion in force, a cursor for each FIFO. Fails: entries that run out at speed end the path
+//! there, and so does a wait that is reached at speed, [`PathStop::Underrun`].
 //!
-//! [`Path::step`] for the tick at `t` first passes the boundaries up to `t`, samples the position,
-//! and then passes those before `t + period`: the path is one period ahead of its published
-//! position. A Stop, an override and new data act at `t`; no boundary after it has been published
-//! yet.
+//! [`Path::advance`] for the tick at `t` first passes the boundaries up to `t`, samples the
+//! position, and then passes those before `t + period`: the path is one period ahead of its
+//! published position. A Stop, an override and new data act at `t`; no boundary after it has been
+//! published yet.
 mod advance;
 mod cursor;
 mod fast_path;

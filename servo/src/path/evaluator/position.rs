@@ -132,9 +132,9 @@ impl Path {
         distance
     }
 
-    /// Whether nothing else is to be done: it is within a phase, no data has come where the FIFO had
-    /// ended, and it has neither geared axes nor slaves. The caller checks whether the path may be
-    /// at its next position, and then calls [`Path::pass`].
+    /// Whether nothing else is to be done: it is within a phase, no data has come where the FIFO
+    /// had ended, and it has neither geared axes nor slaves. The caller checks whether the path may
+    /// be at its next position, and then calls [`Path::pass`].
     #[inline(always)]
     pub(crate) fn may_step_fast(&self, feed: FifoEnds) -> bool {
         self.fast.publishes && !self.has_changed(feed)
