@@ -1,11 +1,12 @@
-//! Hooks for tests, in no image (feature `test-hooks`): a long life in one step, and calls of the
-//! parts of a tick by themselves.
+//! Hooks for tests and probes, in no board's image (feature `test-hooks`): a long life in one step,
+//! and calls of the parts of a tick by themselves.
 //!
 //! A long life. In: how many entries, how much time. Out: every count of the tick as it would be
 //! then. Counts wrap; their comparisons are right across that, or a test that begins just before it
 //! fails.
 use crate::laser::{self, LaserView, Power, PowerBounds, PowerMode};
 use crate::math::float::Float;
+use crate::output::cycle_ring::CycleRing;
 use crate::path::{Curvature, DIMENSIONS, Effects, FifoEnds, Path, PathEntries, PathPos, PathReport};
 use crate::segment::follow::{FollowChain, MasterPath, PositionTrack};
 use crate::segment::piece::Motion;
@@ -117,6 +118,13 @@ impl Path {
         let t = self.spot(next)?;
         self.publish_fresh(report);
         Some(self.publish_at(t, report))
+    }
+}
+
+impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
+    /// The half-word that is queued next.
+    pub fn next_word(&self) -> usize {
+        self.slot().wrapping_mul(WORDS)
     }
 }
 

@@ -94,7 +94,7 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
 
     /// The next slot of the queue.
     #[inline(always)]
-    fn slot(&self) -> usize {
+    pub(crate) fn slot(&self) -> usize {
         let slot = self.end.wrapping_sub(self.free.len());
         if slot < SLOTS { slot } else { 0 }
     }

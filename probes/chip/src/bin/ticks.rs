@@ -28,7 +28,7 @@ use servo::segment::pt::{Chain, Segment};
 use servo::segment::pvt::TABLES;
 use servo::segment::ramp::{Accel, Speed};
 use servo::tick_command::{LaneEntry, MotionMode, TickCommand};
-use servo::units::{Axis, AxisMask, CrdMask, Ns, StepLimit};
+use servo::units::{Axis, AxisMask, Ns, StepLimit};
 use servo::view::StopReason;
 
 /// Ticks counted in each case.
@@ -230,8 +230,7 @@ impl Bench {
         for _ in 0..TICKS {
             self.step(case, Some(inside));
         }
-        let none = AxisMask(0);
-        self.push(TickCommand::Stop { axes, abrupt: none, crds: CrdMask(0), crds_abrupt: CrdMask(0) });
+        self.push(TickCommand::stop(axes, AxisMask(0)));
         let marks = if smooth.0 == 0 && !ready { ["stop", "stop-ramp"] } else { ["stopped"; 2] };
         for mark in marks {
             self.step(case, Some(mark));
