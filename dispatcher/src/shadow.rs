@@ -441,11 +441,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 shadow.fifo = u8::from(fifo1.has(axis));
             }),
             ShadowChange::PvtStarted { axes } => {
-                for index in 0..AXES {
-                    if axes.0.checked_shr(index as u32).unwrap_or(0) & 1 == 1 {
-                        self.name(self.axes[index].table, seq);
-                    }
-                }
+                axes.axes().for_each(|axis| self.name(self.axis(axis).table, seq));
                 self.with(axes, |_, shadow| shadow.start(seq));
             }
             ShadowChange::Table { axis, table, pending } => {

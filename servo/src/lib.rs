@@ -24,7 +24,7 @@ pub mod port;
 pub mod status;
 pub mod tables;
 #[cfg(feature = "test-hooks")]
-mod test_hooks;
+pub mod test_hooks;
 pub mod tick;
 pub mod tick_command;
 mod trace;

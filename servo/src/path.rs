@@ -1,11 +1,11 @@
 //! Coordinate systems: axes driven together along a path (SPEC 5, "Coordinate systems").
 //!
-//! In: admitted [`PathEntry`]s of 32 bytes from two FIFOs, instants. Out: a [`Step`] a tick, and
-//! the effects of entries (outputs, laser, other axes), each with the exact instant of its position
-//! in the path. A [`Path`] keeps one period ahead: the step for the tick at `t` gives the position
-//! there and carries out all boundaries before `t + period`. So an edge inside the coming interval
-//! is known in time and does not depend on the period. Instants are [`FineNs`], positions of
-//! boundaries exact. A phase's speed is a closed form of the time since it began
+//! In: admitted [`PathEntry`]s of 32 bytes from two FIFOs, instants. Out: a [`PathReport`] a tick,
+//! and the effects of entries (outputs, laser, other axes), each with the exact instant of its
+//! position in the path. A [`Path`] keeps one period ahead: the step for the tick at `t` gives the
+//! position there and carries out all boundaries before `t + period`. So an edge inside the coming
+//! interval is known in time and does not depend on the period. Instants are [`FineNs`], positions
+//! of boundaries exact. A phase's speed is a closed form of the time since it began
 //! (`speed_profile.rs`); its position on the line or arc is a closed form of the path length
 //! (`geometry.rs`).
 use crate::units::{FineNs, Pos};
@@ -21,7 +21,7 @@ mod store;
 pub use entry::{EntryContent, EntryEffect, FixedRamp, LASER_WORDS, MotionSpeeds, PathEntry, Plane, Refused, Sweep};
 pub(crate) use evaluator::INSTANTS;
 pub use evaluator::{
-    EFFECTS, Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, Step, StepReport,
+    EFFECTS, Effects, FeedOverride, FifoEnds, GEARS, Path, PathReport, PathSettings, PathStop, StepReport,
     TrajectorySample,
 };
 pub use geometry::Curvature;

@@ -24,8 +24,6 @@ pub const IN_POSITION: u32 = 1 << 11;
 pub const LIMITS: u32 = LIMIT_POSITIVE | LIMIT_NEGATIVE;
 /// Faults that forbid every motion while their cause lasts.
 pub const FAULTS: u32 = ALARM | FOLLOWING_ERROR;
-/// Bits that stay set until ClearStatus.
-pub const LATCHED: u32 = FAULTS | LIMITS | STOP_SMOOTH | STOP_ABRUPT;
 
 /// `GetPtState` (see [`crate::view::AxisView::pt_state`]).
 pub mod pt_state {

@@ -109,11 +109,6 @@ pub enum MotionMode {
 }
 
 impl TickCommand {
-    /// A Stop of axes alone.
-    pub const fn stop(axes: AxisMask, abrupt: AxisMask) -> TickCommand {
-        TickCommand::Stop { axes, abrupt, crds: CrdMask(0), crds_abrupt: CrdMask(0) }
-    }
-
     /// A Stop of coordinate systems alone.
     pub const fn stop_crds(crds: CrdMask, abrupt: CrdMask) -> TickCommand {
         TickCommand::Stop { axes: AxisMask(0), abrupt: AxisMask(0), crds, crds_abrupt: abrupt }

@@ -62,57 +62,67 @@ pub struct Ns(pub u64);
 /// An instant or a duration in 2⁻³² ns; instants count from power-on.
 pub type FineNs = u128;
 
+/// An index over all cores from 0, below `MAX`, and the set of such indices, bit 0 the first.
+macro_rules! index {
+    ($name:ident, $mask:ident, $each:ident) => {
+        impl $name {
+            /// The first one.
+            pub const FIRST: $name = $name(0);
+            /// The one with this index, if there may be one.
+            pub const fn new(index: usize) -> Option<$name> {
+                if index < Self::MAX { Some($name(index as u8)) } else { None }
+            }
+            /// Every one, in order.
+            #[inline]
+            pub fn all() -> impl Iterator<Item = $name> {
+                (0..Self::MAX as u8).map($name)
+            }
+            /// Index from 0.
+            pub const fn index(self) -> usize {
+                self.0 as usize
+            }
+            /// Its bit in a set.
+            pub const fn mask(self) -> $mask {
+                $mask(1 << self.0)
+            }
+        }
+
+        impl $mask {
+            /// What it holds, in order.
+            #[inline]
+            pub fn $each(self) -> impl Iterator<Item = $name> {
+                let mut left = self.0;
+                core::iter::from_fn(move || {
+                    let one = $name::new(left.trailing_zeros() as usize)?;
+                    left &= left.wrapping_sub(1);
+                    Some(one)
+                })
+            }
+
+            /// Whether it holds this one.
+            pub const fn has(self, one: $name) -> bool {
+                self.0 >> one.0 & 1 == 1
+            }
+        }
+    };
+}
+
 /// An axis of the controller, over all cores, from 0: core × axes per core + axis − 1.
 /// Its only constructor checks it against the capacity, so an index from it needs no other bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[repr(transparent)]
 pub struct Axis(u8);
 
-impl Axis {
-    /// The largest capacity of any build (gsn-048: 2 cores × 24 axes).
-    pub const MAX: usize = 48;
-    /// Axis 0.
-    pub const FIRST: Axis = Axis(0);
-    /// Axis `index` from 0, if the largest build has it.
-    pub const fn new(index: usize) -> Option<Axis> {
-        if index < Self::MAX { Some(Axis(index as u8)) } else { None }
-    }
-    /// Every axis of the largest build, in order.
-    #[inline]
-    pub fn all() -> impl Iterator<Item = Axis> {
-        (0..Self::MAX as u8).map(Axis)
-    }
-    /// Index from 0.
-    pub const fn index(self) -> usize {
-        self.0 as usize
-    }
-    /// Its bit in an [`AxisMask`].
-    pub const fn mask(self) -> AxisMask {
-        AxisMask(1 << self.0)
-    }
-}
-
 /// A set of axes over all cores, bit 0 the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(transparent)]
 pub struct AxisMask(pub u64);
 
-impl AxisMask {
-    /// Its axes, in order.
-    #[inline]
-    pub fn axes(self) -> impl Iterator<Item = Axis> {
-        let mut left = self.0;
-        core::iter::from_fn(move || {
-            let axis = Axis::new(left.trailing_zeros() as usize)?;
-            left &= left.wrapping_sub(1);
-            Some(axis)
-        })
-    }
+index!(Axis, AxisMask, axes);
 
-    /// Whether the set holds this axis.
-    pub const fn has(self, axis: Axis) -> bool {
-        self.0 >> axis.0 & 1 == 1
-    }
+impl Axis {
+    /// The largest capacity of any build (gsn-048: 2 cores × 24 axes).
+    pub const MAX: usize = 48;
 }
 
 /// A coordinate system of the controller, over all cores, from 0: core × those per core + crd − 1.
@@ -121,51 +131,16 @@ impl AxisMask {
 #[repr(transparent)]
 pub struct Crd(u8);
 
-impl Crd {
-    /// The largest number of any profile that the build holds, over all cores.
-    pub const MAX: usize = crate::capacity::CRDS;
-    /// The first one.
-    pub const FIRST: Crd = Crd(0);
-    /// Coordinate system `index` from 0, if there may be one.
-    pub const fn new(index: usize) -> Option<Crd> {
-        if index < Self::MAX { Some(Crd(index as u8)) } else { None }
-    }
-    /// Every one, in order.
-    #[inline]
-    pub fn all() -> impl Iterator<Item = Crd> {
-        (0..Self::MAX as u8).map(Crd)
-    }
-    /// Index from 0.
-    pub const fn index(self) -> usize {
-        self.0 as usize
-    }
-    /// Its bit in a [`CrdMask`].
-    pub const fn mask(self) -> CrdMask {
-        CrdMask(1 << self.0)
-    }
-}
-
 /// A set of coordinate systems over all cores, bit 0 the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[repr(transparent)]
 pub struct CrdMask(pub u8);
 
-impl CrdMask {
-    /// Its coordinate systems, in order.
-    #[inline]
-    pub fn crds(self) -> impl Iterator<Item = Crd> {
-        let mut left = self.0;
-        core::iter::from_fn(move || {
-            let crd = Crd::new(left.trailing_zeros() as usize)?;
-            left &= left.wrapping_sub(1);
-            Some(crd)
-        })
-    }
+index!(Crd, CrdMask, crds);
 
-    /// Whether the set holds this one.
-    pub const fn has(self, crd: Crd) -> bool {
-        self.0 >> crd.0 & 1 == 1
-    }
+impl Crd {
+    /// The largest number of any profile that the build holds, over all cores.
+    pub const MAX: usize = crate::capacity::CRDS;
 }
 
 /// Digital outputs that `SetDo` addresses.

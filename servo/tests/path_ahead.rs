@@ -3,9 +3,10 @@
 //! random motions, waits, gears and marks, data that comes late, Stops, overrides, and ticks
 //! without time. Every position, speed, instant and gear is the same to the bit.
 use crate::{chance, paths};
-use servo::path::{Curvature, FeedOverride, FifoEnds, Path, PathEntry, PathReport, Plane, Step, StepReport, Sweep};
+use servo::path::{Curvature, FeedOverride, FifoEnds, Path, PathEntry, PathReport, Plane, StepReport, Sweep};
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
+use servo::test_hooks::Step;
 use servo::units::{Axis, Ns, Pos};
 
 use chance::Chance;

@@ -4,11 +4,11 @@
 //! expected. Every position, speed, instant and gear is the same to the bit.
 use crate::{chance, paths};
 use servo::path::{
-    Curvature, FeedOverride, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathReport, Plane, Step, StepReport,
-    Sweep,
+    Curvature, FeedOverride, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathReport, Plane, StepReport, Sweep,
 };
 use servo::segment::piece::Motion;
 use servo::segment::ramp::Accel;
+use servo::test_hooks::Step;
 use servo::units::{Axis, Ns, Pos};
 
 use chance::Chance;

@@ -3,11 +3,10 @@
 use crate::{chance, paths};
 #[path = "path_run/stop.rs"]
 mod stop;
-use servo::path::{
-    Effects, EntryEffect, FeedOverride, FifoEnds, MotionSpeeds, Path, PathEntry, PathStop, Refused, Step,
-};
+use servo::path::{Effects, EntryEffect, FeedOverride, FifoEnds, MotionSpeeds, Path, PathEntry, PathStop, Refused};
 use servo::segment::piece::{Motion, Scaled};
 use servo::segment::ramp::Accel;
+use servo::test_hooks::Step;
 use servo::tick_command::DoGroup;
 use servo::units::{Axis, FineNs, Ns, Pos, StepLimit};
 

@@ -1,17 +1,19 @@
 //! Mutants: the code broken on purpose by one edit, and the test that must find it.
 //!
-//! In: the lists of [`LIST`], [`SURVIVED`] and [`LIGHT`]. Out: a table of the outcome of each and
-//! of the tests that found it, also in `target/mutants/report.md`. Owns a copy of the tree under
-//! `target/mutants`, so that the checkout stays as it is. Fails: if a mutant survives, does not
-//! compile, or if its text is not in its file exactly once.
+//! In: the lists of [`all`]. Out: a table of the outcome of each and of the tests that found it,
+//! also in `target/mutants/report.md`. Owns a copy of the tree under `target/mutants`, so that the
+//! checkout stays as it is. Fails: if a mutant survives, does not compile, or if its text is not in
+//! its file exactly once.
 //!
 //! The tests must pass in that copy before any edit, or their failures would prove nothing. Mutants
 //! of `firmware/` or `hal/` are found by tests in QEMU, of its image, or by those of the reference
 //! board's image in emulation.
 mod found;
 mod light;
+mod link;
 mod list;
 mod planted;
+mod reference_board;
 mod survived;
 mod timing;
 
@@ -19,7 +21,9 @@ use crate::board;
 use crate::setup::{TARGET, compiler};
 use crate::shell::{self, Outcome, cargo, read, root, target};
 use light::LIGHT;
+use link::RING_AND_LINK;
 use list::{LIST, Mutant};
+use reference_board::REFERENCE_BOARD;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
@@ -58,7 +62,7 @@ impl fmt::Display for Fate {
 
 /// Every mutant.
 fn all() -> impl Iterator<Item = &'static Mutant> {
-    LIST.iter().chain(SURVIVED).chain(LIGHT)
+    [RING_AND_LINK, LIST, REFERENCE_BOARD, SURVIVED, LIGHT].into_iter().flatten()
 }
 
 /// Checks that every mutant's text is in its file exactly once.

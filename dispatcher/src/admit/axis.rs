@@ -65,10 +65,7 @@ pub fn set_position<const AXES: usize>(context: &mut Context<AXES>, r: &SetPrfPo
 pub fn synchronise<const AXES: usize>(context: &mut Context<AXES>, r: &SynchAxisPos) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
     context.all_at_standstill(axes, Reason::Moving)?;
-    if axes.0 != 0 {
-        context.stage_with(TickCommand::Synchronise { axes }, ShadowChange::Placed { axes, pos: None });
-    }
-    Ok(Answer::Done)
+    context.for_axes(axes, TickCommand::Synchronise { axes }, ShadowChange::Placed { axes, pos: None })
 }
 
 /// A deceleration that stops: above 0.
@@ -166,11 +163,6 @@ pub fn capture<const AXES: usize>(context: &mut Context<AXES>, r: &SetCaptureMod
         return Err(refused.got(mode.into()).limits(1.0, 1.0));
     }
     context.only(TickCommand::Capture { axis, mode: mode as u8 }, ShadowChange::None)
-}
-
-/// Refuses an Update or start of axes that cannot start; shared by Trap, Jog and PT.
-pub fn all_startable<const AXES: usize>(context: &Context<AXES>, axes: AxisMask) -> Admitted<()> {
-    context.each(axes).try_for_each(|axis| context.startable(axis))
 }
 
 impl<const AXES: usize> Context<'_, AXES> {

@@ -13,7 +13,7 @@ use crate::report::trace::TraceColumns;
 use crate::shadow::{AxisShadow, CrdParameters, CrdShadow, ShadowChange, Shadows, executed, is_in_flight};
 use protocol::reason::Reason;
 use servo::status::{RUNNING, SERVO_ON};
-use servo::tick_command::TickCommand;
+use servo::tick_command::{MotionMode, TickCommand};
 use servo::units::{Axis, AxisMask, Crd, CrdMask, Pos};
 use servo::view::{AxisView, CrdView, View};
 
@@ -104,6 +104,18 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         self.staged.add(command, change);
         Ok(Answer::Done)
     }
+    /// The same of a command that names axes: without any it does nothing.
+    pub fn for_axes(&mut self, axes: AxisMask, command: TickCommand, change: ShadowChange) -> Admitted<Answer> {
+        if axes.0 != 0 {
+            self.stage_with(command, change);
+        }
+        Ok(Answer::Done)
+    }
+    /// The same of a start: all of the axes, or none.
+    pub fn start(&mut self, axes: AxisMask, command: TickCommand, change: ShadowChange) -> Admitted<Answer> {
+        self.all_startable(axes)?;
+        self.for_axes(axes, command, change)
+    }
     /// The axis's part of the view; the last one for an axis beyond the capacity.
     pub fn sampled(&self, axis: Axis) -> &'x AxisView {
         &self.view.axes[axis.index().min(AXES - 1)]
@@ -142,6 +154,12 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         let index =
             choice(1, axis, 1, i16::from(self.configuration.profile.axes_per_core))?.unsigned_abs() as usize - 1;
         self.nth(core * self.configuration.per_core() + index)
+    }
+    /// An axis of a core, if it is in this mode.
+    pub fn axis_in(&self, mode: MotionMode, core: i16, axis: i16) -> Admitted<Axis> {
+        let axis = self.axis(core, axis)?;
+        self.in_mode(axis, self.shadow(axis).mode == mode)?;
+        Ok(axis)
     }
     /// An axis by its index; the build's capacity holds every profile that could be chosen.
     pub fn nth(&self, index: usize) -> Admitted<Axis> {
@@ -283,8 +301,12 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         let mode = mode_number(self.shadow(axis).mode);
         if wanted { Ok(()) } else { Err(self.no(Reason::WrongMode, axis).got(mode.into())) }
     }
+    /// Refuses a start of axes of which one cannot start.
+    pub fn all_startable(&self, axes: AxisMask) -> Admitted<()> {
+        self.each(axes).try_for_each(|axis| self.startable(axis))
+    }
     /// Refuses a start of an axis whose servo will be off or that has a latched fault.
-    pub fn startable(&self, axis: Axis) -> Admitted<()> {
+    fn startable(&self, axis: Axis) -> Admitted<()> {
         let (shadow, sampled) = (self.shadow(axis), self.sampled(axis));
         let on = match shadow.servo {
             Some((seq, on)) if !executed(self.view, seq) => on,

@@ -192,7 +192,7 @@ fn startable<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
     if !context.crd_shadow(crd).path(fifo).data.open {
         return Err(context.no_crd(Reason::CrdEmpty, crd).field(2).got(fifo.into()));
     }
-    super::axis::all_startable(context, frame.mask())
+    context.all_startable(frame.mask())
 }
 
 /// Starts all coordinate systems of the mask on one tick, or none. The tick gets the first part of

@@ -16,7 +16,7 @@ use super::written::{Paths, Stored, Written};
 use crate::configuration::Configuration;
 use crate::plan::geometry;
 use crate::plan::geometry::{Geometry, OFF_CENTRE_MAX_PULSES, Position, RADIUS_MAX_PULSES, RADIUS_MIN_PULSES};
-use crate::plan::look_ahead::{ALONG_MIN, Limits};
+use crate::plan::look_ahead::{ALONG_MIN, Limits, rounded_down};
 use crate::plan::path_queue::{Destination, PathQueue, Queued};
 use crate::refuse::{Admitted, FifoOf, Refused, choice, real};
 use crate::report::answer::Answer;
@@ -36,12 +36,6 @@ struct LimitedSpeeds {
     acc: f64,
     end: f64,
     along: MotionSpeeds,
-}
-
-/// The next lower number that 32 bits hold.
-fn down(x: f64) -> f32 {
-    let nearest = x as f32;
-    if f64::from(nearest) > x { f32::from_bits(nearest.to_bits() - 1) } else { nearest }
 }
 
 /// Whether a share of a speed is above a limit. The rounding of doubles is tolerated, unless the
@@ -268,10 +262,10 @@ impl CrdFifoWrite<'_> {
     fn leaves(&self, data: &PathData, length: f64, acc: f64, end: f64) -> f32 {
         let enters = self.enters(data);
         if self.path.look.is_some() || enters <= end && end <= self.limit {
-            return down(end);
+            return rounded_down(end);
         }
         let (square, change) = (enters * enters, 2.0 * acc * length);
-        down(end.max(libm::sqrt((square - change).max(0.0))).min(libm::sqrt(square + change)))
+        rounded_down(end.max(libm::sqrt((square - change).max(0.0))).min(libm::sqrt(square + change)))
     }
 
     fn limits(&self, corner: f64, acc: f64) -> Limits {
@@ -409,7 +403,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(context: &Context<AXES>
     if !ends.open {
         ends.leaves = 0.0;
     }
-    let (leaves, looks) = (down(admitted.end), filling.path.look.is_some());
+    let (leaves, looks) = (rounded_down(admitted.end), filling.path.look.is_some());
     let is_slow = admitted.vel <= filling.limit && admitted.end <= filling.limit;
     for (index, item) in items.iter().enumerate() {
         let to = R::to(item);

@@ -5,7 +5,6 @@
 //! The tick decides what a switch does to the FIFOs. A command that depends on it is refused until
 //! the view shows the state in which it acts ([`decided`](super::context::DueInstant::decided)). In
 //! a program it waits for its instant.
-use super::axis::all_startable;
 use super::context::Context;
 use super::{one, unknown};
 use crate::plan::asymmetric_s;
@@ -101,7 +100,7 @@ fn set_master<const AXES: usize>(
     mode: MotionMode,
     r: &SetFollowMaster,
 ) -> Admitted<Answer> {
-    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(mode, r.core.get(), r.profile.get())?;
     let given = [r.master_index.get(), r.master_type.get(), r.master_item.get()];
     let core = core_of(context, r.core.get(), given[1])?;
     choice(2, given[0], 1, i16::from(context.configuration.profile.axes_per_core))?;
@@ -135,13 +134,13 @@ fn set_master<const AXES: usize>(
 
 /// Below 1 is endless; has effect also while the axis runs.
 fn set_loop<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &SetFollowLoop) -> Admitted<Answer> {
-    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(mode, r.core.get(), r.profile.get())?;
     context.only(TickCommand::FollowLoop { axis, passes: r.loop_count.get().max(0).unsigned_abs() }, ShadowChange::None)
 }
 
 /// Has effect from the next start on. The direction matters for PASS only.
 fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &SetFollowEvent) -> Admitted<Answer> {
-    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(mode, r.core.get(), r.profile.get())?;
     let (which, direction, pos) = (choice(2, r.event.get(), 1, 2)?, r.master_dir.get(), r.pos.get());
     if which == 2 && direction != 1 && direction != -1 {
         return Err(Refused::new(Reason::CrossingDirection).field(3).got(direction.into()));
@@ -153,7 +152,7 @@ fn set_event<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r
 }
 
 fn space<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowSpace) -> Admitted<Answer> {
-    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(mode, r.core.get(), r.profile.get())?;
     let fifo = choice(2, r.fifo.get(), 0, 1)? as u8;
     context.knows_follow_fifo(axis, 2)?;
     Ok(Answer::Space(context.shadow(axis).follow.space(fifo) as i16))
@@ -161,7 +160,7 @@ fn space<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &F
 
 /// The FIFO that runs cannot be cleared, the other one can.
 fn clear<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowClear) -> Admitted<Answer> {
-    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(mode, r.core.get(), r.profile.get())?;
     let fifo = choice(2, r.fifo.get(), 0, 1)? as u8;
     let (shadow, sampled) = (context.shadow(axis), context.sampled(axis));
     context.knows_follow_fifo(axis, 2)?;
@@ -181,7 +180,7 @@ fn set_memory<const AXES: usize>(
     mode: MotionMode,
     r: &SetFollowMemory,
 ) -> Admitted<Answer> {
-    let axis = context.following_axis(mode, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(mode, r.core.get(), r.profile.get())?;
     let memory = choice(2, r.memory.get(), 0, 1)? as u8;
     context.at_standstill(axis)?;
     context.knows_follow_fifo(axis, 2)?;
@@ -192,9 +191,6 @@ fn set_memory<const AXES: usize>(
 /// Starts all axes of the mask on one tick, or none. Option bits take FIFO 1.
 fn start<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &FollowStart) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
-    if axes.0 == 0 {
-        return Ok(Answer::Done);
-    }
     let fifo1 = context.mask(r.core.get(), r.option.get() & r.mask.get(), 2)?;
     for axis in context.each(axes) {
         context.in_mode(axis, context.shadow(axis).mode == mode)?;
@@ -205,8 +201,7 @@ fn start<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &F
         }
         context.has_follow_data(axis, u8::from(fifo1.has(axis)))?;
     }
-    all_startable(context, axes)?;
-    context.only(TickCommand::FollowStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns: 0 })
+    context.start(axes, TickCommand::FollowStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns: 0 })
 }
 
 /// The other FIFO takes over at the end of the pass, of all axes of the mask or none.
@@ -216,15 +211,12 @@ fn switch<const AXES: usize>(context: &mut Context<AXES>, mode: MotionMode, r: &
         context.in_mode(axis, context.shadow(axis).mode == mode)?;
         context.may_switch(axis)?;
     }
-    if axes.0 != 0 {
-        context.stage_with(TickCommand::FollowSwitch { axes }, ShadowChange::Switched { axes });
-    }
-    Ok(Answer::Done)
+    context.for_axes(axes, TickCommand::FollowSwitch { axes }, ShadowChange::Switched { axes })
 }
 
 /// At once. (Queued, it is data.)
 fn switch_now<const AXES: usize>(context: &mut Context<AXES>, r: &FollowSwitchNowEx) -> Admitted<Answer> {
-    let axis = context.following_axis(MotionMode::FollowEx, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(MotionMode::FollowEx, r.core.get(), r.profile.get())?;
     let method = method(r.method.get())?;
     choice(4, r.fifo.get(), 0, 1)?;
     match method {
@@ -260,13 +252,6 @@ fn asymmetric_segment<const AXES: usize>(context: &mut Context<AXES>, r: &GetFol
 }
 
 impl<const AXES: usize> Context<'_, AXES> {
-    /// The axis, if it is in this mode.
-    pub fn following_axis(&self, mode: MotionMode, core: i16, profile: i16) -> Admitted<Axis> {
-        let axis = self.axis(core, profile)?;
-        self.in_mode(axis, self.shadow(axis).mode == mode)?;
-        Ok(axis)
-    }
-
     /// Refuses until it is known which FIFO runs when the command acts.
     pub fn knows_follow_fifo(&self, axis: Axis, field: u8) -> Admitted<()> {
         // The tick switches in its steps, and there is none between the view and the instant.

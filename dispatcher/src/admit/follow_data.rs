@@ -172,7 +172,7 @@ impl<const AXES: usize> Context<'_, AXES> {
                 (r.core, r.profile, r.fifo, 4, FollowItem::Switch(method(r.method.get())?))
             }
         };
-        let axis = self.following_axis(mode_of(number), core.get(), profile.get())?;
+        let axis = self.axis_in(mode_of(number), core.get(), profile.get())?;
         let stands = self.knows_fifos(axis);
         let mut filling =
             self.open_follow(stores, axis, fifo.get(), field).map_err(|refused| refused.stands(stands))?;
@@ -184,7 +184,7 @@ impl<const AXES: usize> Context<'_, AXES> {
     /// FollowDataPercent2Ex: up to three slots, for the rising, the constant and the falling part
     /// of the ratio.
     fn asymmetric_data(&self, stores: &SegmentStores<AXES>, r: &FollowDataPercent2Ex) -> Stored {
-        let axis = self.following_axis(MotionMode::FollowEx, r.core.get(), r.profile.get())?;
+        let axis = self.axis_in(MotionMode::FollowEx, r.core.get(), r.profile.get())?;
         let (master, slave) = (r.master_segment.get(), r.slave_segment.get());
         let (begin, end) = (r.vel_begin_ratio.get(), r.vel_end_ratio.get());
         for (field, number) in (2..).zip([master, slave, begin, end]) {

@@ -2,7 +2,6 @@
 //!
 //! In: a command. Out: tick commands. Fails: with the parameter and the limit. An axis in gear runs
 //! until a Stop, so a start of one that runs is a new ratio.
-use super::axis::all_startable;
 use super::context::Context;
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::Answer;
@@ -15,7 +14,7 @@ use servo::units::AxisMask;
 
 /// Has effect from the next GearStart on.
 pub fn set_ratio<const AXES: usize>(context: &mut Context<AXES>, r: &SetGearRatio) -> Admitted<Answer> {
-    let axis = context.following_axis(MotionMode::Gear, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(MotionMode::Gear, r.core.get(), r.profile.get())?;
     let given @ [master, slave, slope] = [r.master_even.get(), r.slave_even.get(), r.master_slope.get()];
     let ratio = GearRatio::of(master, slave, slope).map_err(|wrong| match wrong {
         GearRefused::Master => Refused::new(Reason::GearPart).field(2),
@@ -35,7 +34,7 @@ pub fn set_ratio<const AXES: usize>(context: &mut Context<AXES>, r: &SetGearRati
 /// START 1; PASS 2 with the direction in which the master crosses, and the position. AREA 5 is not
 /// there.
 pub fn set_event<const AXES: usize>(context: &mut Context<AXES>, r: &SetGearEvent) -> Admitted<Answer> {
-    let axis = context.following_axis(MotionMode::Gear, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(MotionMode::Gear, r.core.get(), r.profile.get())?;
     let (which, direction, pos) = (r.event.get(), r.start_para0.get(), r.start_para1.get());
     if which == 5 {
         return Err(Refused::new(Reason::GearArea).field(2).got(5.0));
@@ -52,9 +51,6 @@ pub fn set_event<const AXES: usize>(context: &mut Context<AXES>, r: &SetGearEven
 /// Starts all axes of the mask on one tick, or none; those that are in gear take their new ratio.
 pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &GearStart) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
-    if axes.0 == 0 {
-        return Ok(Answer::Done);
-    }
     for axis in context.each(axes) {
         let shadow = context.shadow(axis);
         context.in_mode(axis, shadow.mode == MotionMode::Gear)?;
@@ -65,7 +61,6 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &GearStart) -> A
             return Err(context.no(Reason::NoRatio, axis));
         }
     }
-    all_startable(context, axes)?;
     let fifo1 = AxisMask(0);
-    context.only(TickCommand::FollowStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns: 0 })
+    context.start(axes, TickCommand::FollowStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns: 0 })
 }

@@ -41,8 +41,7 @@ pub fn set_outputs<const AXES: usize>(context: &mut Context<AXES>, r: &SetDo) ->
     let (group, first, count) = context.output_group(r.core.get(), 1, r.do_type.get())?;
     let all = ones(count.min(WORD));
     let value = bits_of(2, r.value.get().cast_unsigned().into(), all)?;
-    stage_output(context, group, all << first, value << first);
-    Ok(Answer::Done)
+    set_levels(context, group, all << first, value << first)
 }
 
 /// Words of outputs, from the first one; outputs without a word keep their level. Bits of outputs
@@ -59,15 +58,13 @@ pub fn set_output_words<const AXES: usize>(context: &mut Context<AXES>, body: &[
         levels |= value.map_err(|refused| refused.item(item))? << (WORD * item);
     }
     let all = ones(have.min(WORD * values.len()));
-    stage_output(context, group, all << first, levels << first);
-    Ok(Answer::Done)
+    set_levels(context, group, all << first, levels << first)
 }
 
 pub fn set_output<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoBit) -> Admitted<Answer> {
     let (group, bit, high) = context.output_bit(r.core.get(), 1, (r.do_type.get(), r.index.get(), r.value.get()))?;
     let mask = 1u64 << bit;
-    stage_output(context, group, mask, if high { mask } else { 0 });
-    Ok(Answer::Done)
+    set_levels(context, group, mask, if high { mask } else { 0 })
 }
 
 /// One output keeps a level for a time of cycles of 250 µs, and then gets the other one. A later
@@ -77,8 +74,7 @@ pub fn set_output_for<const AXES: usize>(context: &mut Context<AXES>, r: &SetDoB
     let (group, bit, high) = context.output_bit(r.core.get(), 1, given)?;
     let cycles = within(4, r.reverse_time_cycles.get(), 0, i16::MAX)?;
     let time = Ns(u64::from(cycles.unsigned_abs()) * u64::from(CYCLE_NS));
-    let off = AxisMask(if group == DoGroup::Enable && !high { 1 << bit } else { 0 });
-    let change = if off.0 == 0 { ShadowChange::None } else { ShadowChange::Stopped { axes: off, crds: CrdMask(0) } };
+    let change = stopped_by(group, if high { 0 } else { 1 << bit });
     context.only(TickCommand::OutputFor { group, bit, high, time }, change)
 }
 
@@ -102,11 +98,22 @@ pub fn set_edges<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) ->
     Ok(Answer::Done)
 }
 
-/// Levels of outputs. A servo that is switched off stops its axis, and the path that drives it.
-fn stage_output<const AXES: usize>(context: &mut Context<AXES>, group: DoGroup, mask: u64, value: u64) {
-    let off = AxisMask(if group == DoGroup::Enable { mask & !value } else { 0 });
-    let change = if off.0 == 0 { ShadowChange::None } else { ShadowChange::Stopped { axes: off, crds: CrdMask(0) } };
-    context.stage_with(TickCommand::Output { group, mask, value }, change);
+/// Levels of outputs.
+fn set_levels<const AXES: usize>(
+    context: &mut Context<AXES>,
+    group: DoGroup,
+    mask: u64,
+    value: u64,
+) -> Admitted<Answer> {
+    context.only(TickCommand::Output { group, mask, value }, stopped_by(group, mask & !value))
+}
+
+/// Outputs (a bit each) are switched off: a servo stops its axis, and the path that drives it.
+fn stopped_by(group: DoGroup, off: u64) -> ShadowChange {
+    match group {
+        DoGroup::Enable if off != 0 => ShadowChange::Stopped { axes: AxisMask(off), crds: CrdMask(0) },
+        _ => ShadowChange::None,
+    }
 }
 
 /// The first of `count` channels from 1 (fields 1, 2), and how many of them exist: a read may reach

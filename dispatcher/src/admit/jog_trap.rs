@@ -1,10 +1,10 @@
 //! Jog and Trap: modes, parameters, targets, Update.
-use super::axis::{ACCEL_MAX, accel, all_startable};
+use super::axis::{ACCEL_MAX, accel};
 use super::context::Context;
 use crate::refuse::{Admitted, Refused, real, within};
 use crate::report::answer::Answer;
 use crate::shadow::ShadowChange;
-use protocol::command::{JogPrm, PrfJog, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update};
+use protocol::command::{JogPrm, PrfTrap, SetJogPrm, SetPos, SetTrapPrm, SetVel, TrapPrm, Update};
 use protocol::reason::Reason;
 use servo::segment::ramp::{Accel, Speed};
 use servo::tick_command::{MotionMode, TickCommand};
@@ -13,14 +13,10 @@ use servo::units::{Axis, AxisMask, Ns, StepLimit};
 /// Longest smoothing of a Trap, ms.
 const SMOOTH_MAX_MS: i16 = 500;
 
-pub fn trap<const AXES: usize>(context: &mut Context<AXES>, r: &PrfTrap) -> Admitted<Answer> {
+/// PrfTrap and PrfJog.
+pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfTrap, mode: MotionMode) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
-    set_mode(context, axis, MotionMode::Trap)
-}
-
-pub fn jog<const AXES: usize>(context: &mut Context<AXES>, r: &PrfJog) -> Admitted<Answer> {
-    let axis = context.axis(r.core.get(), r.profile.get())?;
-    set_mode(context, axis, MotionMode::Jog)
+    set_mode(context, axis, mode)
 }
 
 /// A mode is set at standstill; the present mode is accepted without an effect.
@@ -77,8 +73,7 @@ pub fn set_jog<const AXES: usize>(context: &mut Context<AXES>, r: &SetJogPrm) ->
 }
 
 pub fn set_pos<const AXES: usize>(context: &mut Context<AXES>, r: &SetPos) -> Admitted<Answer> {
-    let axis = context.axis(r.core.get(), r.profile.get())?;
-    context.in_mode(axis, context.shadow(axis).mode == MotionMode::Trap)?;
+    let axis = context.axis_in(MotionMode::Trap, r.core.get(), r.profile.get())?;
     let pos = r.pos.get();
     context.only(TickCommand::TargetPosition { axis, pulses: pos }, ShadowChange::Pos { axis, pos })
 }
@@ -94,9 +89,6 @@ pub fn set_vel<const AXES: usize>(context: &mut Context<AXES>, r: &SetVel) -> Ad
 /// Starts Jog or Trap, or changes a running one, for all axes of the mask or none.
 pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
-    if axes.0 == 0 {
-        return Ok(Answer::Done);
-    }
     for axis in context.each(axes) {
         let shadow = context.shadow(axis);
         context.in_mode(axis, matches!(shadow.mode, MotionMode::Trap | MotionMode::Jog))?;
@@ -110,6 +102,5 @@ pub fn update<const AXES: usize>(context: &mut Context<AXES>, r: &Update) -> Adm
             return Err(context.no(reason, axis));
         }
     }
-    all_startable(context, axes)?;
-    context.only(TickCommand::Update { axes }, ShadowChange::Started { axes, fifo1: AxisMask(0), script_ns: 0 })
+    context.start(axes, TickCommand::Update { axes }, ShadowChange::Started { axes, fifo1: AxisMask(0), script_ns: 0 })
 }

@@ -83,9 +83,7 @@ fn read<const AXES: usize>(context: &Context<AXES>, of: ReadOf, number: u16, bod
         ReadOf::Axes => axes(context, number, &one(body)?),
         ReadOf::Follow => {
             let r = one::<command::GetFollowLoop>(body)?;
-            context
-                .following_axis(follow::mode_of(number), r.core.get(), r.profile.get())
-                .map(|axis| query(number, axis))
+            context.axis_in(follow::mode_of(number), r.core.get(), r.profile.get()).map(|axis| query(number, axis))
         }
         ReadOf::Laser => context.read_laser(number, &one(body)?),
         ReadOf::Crd => {
@@ -169,9 +167,7 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         SetPosErr => axis::position_error,
         SetCaptureMode => axis::capture,
 
-        PrfTrap => jog_trap::trap,
         SetTrapPrm => jog_trap::set_trap,
-        PrfJog => jog_trap::jog,
         SetJogPrm => jog_trap::set_jog,
         SetPos => jog_trap::set_pos,
         SetVel => jog_trap::set_vel,
@@ -229,6 +225,8 @@ pub fn admit<const AXES: usize>(context: &mut Context<AXES>, number: u16, body: 
         SetLaserDisRatio => laser::distance::ratios,
 
         _ => match number {
+            opcode::PrfTrap => jog_trap::mode(context, &one(body)?, MotionMode::Trap),
+            opcode::PrfJog => jog_trap::mode(context, &one(body)?, MotionMode::Jog),
             opcode::AxisOn | opcode::AxisOff => axis::servo(context, &one(body)?, number == opcode::AxisOn),
             opcode::LmtsOn | opcode::LmtsOff => axis::limits(context, &one(body)?, number == opcode::LmtsOn),
             opcode::AlarmOn | opcode::AlarmOff => axis::alarm(context, &one(body)?, number == opcode::AlarmOn),

@@ -1,5 +1,4 @@
 //! PT commands (GXN chapter 2), and PT data from bytes to the axis's store.
-use super::axis::all_startable;
 use super::context::{Context, TRAVEL_PULSES};
 use super::written::{SegmentStores, Stored, Written};
 use super::{many, one};
@@ -75,9 +74,6 @@ pub fn set_memory<const AXES: usize>(context: &mut Context<AXES>, r: &SetPtMemor
 /// dynamic mode and for axes that are not named.
 pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
-    if axes.0 == 0 {
-        return Ok(Answer::Done);
-    }
     let option = context.mask(r.core.get(), r.option.get() & r.mask.get(), 2)?;
     let mut fifo1 = AxisMask(0);
     for axis in context.each(axes) {
@@ -90,9 +86,8 @@ pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PtStart) -> Adm
             return Err(context.no(Reason::FifoEmpty, axis).field(2).got(which as f64));
         }
     }
-    all_startable(context, axes)?;
     let script_ns = context.due.script_ns;
-    context.only(TickCommand::PtStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns })
+    context.start(axes, TickCommand::PtStart { axes, fifo1 }, ShadowChange::Started { axes, fifo1, script_ns })
 }
 
 /// The fields that a refusal names are those of a PtItem: 0 position, 1 time, 2 kind.

@@ -1,5 +1,4 @@
 //! PVT commands (GXN chapter 4), apart from the points of tables (see [`super::pvt_table`]).
-use super::axis::all_startable;
 use super::context::Context;
 use crate::plan::pvt::{CORE_TABLES, table_number};
 use crate::refuse::{Admitted, Refused, choice, within};
@@ -29,16 +28,9 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &PrfPvt) -> Admit
     Ok(answer)
 }
 
-/// The axis, if it is in PVT mode.
-fn pvt_axis<const AXES: usize>(context: &Context<AXES>, core: i16, profile: i16) -> Admitted<Axis> {
-    let axis = context.axis(core, profile)?;
-    context.in_mode(axis, context.shadow(axis).mode == MotionMode::Pvt)?;
-    Ok(axis)
-}
-
 /// 0 is endless; has effect also while the axis runs.
 pub fn set_loop<const AXES: usize>(context: &mut Context<AXES>, r: &SetPvtLoop) -> Admitted<Answer> {
-    let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(MotionMode::Pvt, r.core.get(), r.profile.get())?;
     let passes = within(2, r.loop_count.get(), 0, i32::MAX)?;
     context
         .only(TickCommand::PvtLoop { axis, passes: passes.unsigned_abs() }, ShadowChange::TablePasses { axis, passes })
@@ -55,7 +47,7 @@ fn not_empty<const AXES: usize>(context: &Context<AXES>, axis: Axis, table: u8) 
 /// At standstill it has effect at once, else when the present pass ends. The table must hold points
 /// (GXN command 46).
 pub fn select<const AXES: usize>(context: &mut Context<AXES>, r: &PvtTableSelect) -> Admitted<Answer> {
-    let axis = pvt_axis(context, r.core.get(), r.profile.get())?;
+    let axis = context.axis_in(MotionMode::Pvt, r.core.get(), r.profile.get())?;
     let table = table(context, r.core.get(), 2, r.table.get())?;
     let pending = context.may_run(axis);
     not_empty(context, axis, table)?;
@@ -65,16 +57,12 @@ pub fn select<const AXES: usize>(context: &mut Context<AXES>, r: &PvtTableSelect
 /// Starts all axes of the mask on one tick, or none.
 pub fn start<const AXES: usize>(context: &mut Context<AXES>, r: &PvtStart) -> Admitted<Answer> {
     let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
-    if axes.0 == 0 {
-        return Ok(Answer::Done);
-    }
     for axis in context.each(axes) {
         context.in_mode(axis, context.shadow(axis).mode == MotionMode::Pvt)?;
         context.at_standstill(axis)?;
         not_empty(context, axis, context.shadow(axis).table.unwrap_or(u8::MAX))?;
     }
-    all_startable(context, axes)?;
-    context.only(TickCommand::PvtStart { axes }, ShadowChange::PvtStarted { axes })
+    context.start(axes, TickCommand::PvtStart { axes }, ShadowChange::PvtStarted { axes })
 }
 
 /// Refuses if an axis runs this table, will continue with it, or is named with it by an entry that

@@ -41,8 +41,8 @@ pub fn reset<const AXES: usize>(context: &mut Context<AXES>, r: &Reset) -> Admit
     Ok(Answer::Done)
 }
 
-fn stage_watch<const AXES: usize>(context: &mut Context<AXES>, watch: Watch) {
-    context.stage_with(TickCommand::Supervision(watch.supervision()), ShadowChange::Watch(watch));
+fn stage_watch<const AXES: usize>(context: &mut Context<AXES>, watch: Watch) -> Admitted<Answer> {
+    context.only(TickCommand::Supervision(watch.supervision()), ShadowChange::Watch(watch))
 }
 
 pub fn clear_status<const AXES: usize>(context: &mut Context<AXES>, r: &ClrSts) -> Admitted<Answer> {
@@ -107,7 +107,7 @@ pub fn choose<const AXES: usize>(context: &mut Context<AXES>, r: &Choose) -> Adm
         context.all_at_standstill(axes, Reason::OnlyAtStandstill)?;
         context.stage_with(TickCommand::Reset { axes }, ShadowChange::Reset { axes, tables: u64::MAX });
         // The supervision is the user's, and stays.
-        stage_watch(context, context.shadows.watch);
+        stage_watch(context, context.shadows.watch)?;
     }
     if (number, family) != (context.configuration.number, context.configuration.family) {
         context.lasers_to_power_on(family);
@@ -131,16 +131,14 @@ pub fn trace<const AXES: usize>(context: &mut Context<AXES>, r: &Trace) -> Admit
 pub fn link_loss<const AXES: usize>(context: &mut Context<AXES>, r: &SetLinkLoss) -> Admitted<Answer> {
     let ms = within(0, r.time_ms.get(), 0, LINK_LOSS_MAX_MS)?.unsigned_abs();
     let stop_all = choice(1, r.stop_all.get(), 0, 1)? == 1;
-    stage_watch(context, Watch { link_loss_ms: ms, stop_all, ..context.shadows.watch });
-    Ok(Answer::Done)
+    stage_watch(context, Watch { link_loss_ms: ms, stop_all, ..context.shadows.watch })
 }
 
 /// 0: motion goes on without light. 1: it brakes as when the link is lost. 2: everything stops
 /// abruptly.
 pub fn interlock<const AXES: usize>(context: &mut Context<AXES>, r: &SetInterlock) -> Admitted<Answer> {
     let interlock = choice(0, r.motion.get(), 0, 2)? as u8;
-    stage_watch(context, Watch { interlock, ..context.shadows.watch });
-    Ok(Answer::Done)
+    stage_watch(context, Watch { interlock, ..context.shadows.watch })
 }
 
 /// Checks every item; they are pushed afterwards, one by one, by [`config_item`].

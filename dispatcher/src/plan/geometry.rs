@@ -218,14 +218,7 @@ impl Geometry {
 
     /// Servo's entry for it with these speeds.
     pub fn entry(&self, along: MotionSpeeds) -> Option<PathEntry> {
-        self.form.entry(along)
-    }
-}
-
-impl Form {
-    /// Servo's entry for it with these speeds.
-    pub(crate) fn entry(&self, along: MotionSpeeds) -> Option<PathEntry> {
-        match *self {
+        match self.form {
             Form::Planar(to) => Some(PathEntry::planar(to, along)),
             Form::Line(to) => Some(PathEntry::line(to, along)),
             Form::Arc { plane, to, sweep } => Some(PathEntry::arc(plane, to, sweep, along)),

@@ -35,7 +35,8 @@ use super::geometry::{Geometry, Position};
 use heapless::Vec;
 use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
-use reachable::{BOUNDS_MAX, Bound, ChosenMotion, Corner, EndSpeed, Span, Steps, rounded_down};
+pub(crate) use reachable::rounded_down;
+use reachable::{BOUNDS_MAX, Bound, ChosenMotion, Corner, EndSpeed, Span, Steps};
 use rounding::Chords;
 use servo::path::{MotionSpeeds, PathEntry, Plane};
 
@@ -99,27 +100,31 @@ enum Course {
     Zx,
 }
 
-/// A motion that waits, in 64 bytes. Shares of limits are kept as f32: their rounding is far below
-/// the margin of a plan. Speeds are exact where motions of one speed meet.
-#[derive(Debug, Clone, Copy)]
-struct WaitingMotion {
-    /// Speed along it, as its limits allow.
-    vel: f64,
-    /// The junction at its start.
-    start: Junction,
-    /// Of a line its direction; of an arc its radius and the limit of its accelerations.
-    shape: [f32; 4],
-    length: f32,
-    /// Acceleration along it, as its limits allow.
-    acc: f32,
-    /// The highest square of the speed at its start from which all that follows can be kept. As
-    /// much as the junction allows is infinite, and not planned yet is NaN.
-    high: f32,
-    /// Entries that follow it, before the next motion.
-    others: u16,
-    course: Course,
-    /// [`EITHER`] and [`SETTLED`].
-    flags: u8,
+servo::state! {
+    /// A motion that waits, in 64 bytes. Shares of limits are kept as f32: their rounding is far
+    /// below the margin of a plan. Speeds are exact where motions of one speed meet.
+    #[derive(Debug, Clone, Copy)]
+    struct WaitingMotion {
+        /// Speed along it, as its limits allow.
+        vel: f64 = 0.0,
+        /// The junction at its start.
+        start: Junction = STANDSTILL,
+        /// Of a line its direction; of an arc its radius and the limit of its accelerations.
+        shape: [f32; 4] = [0.0; 4],
+        length: f32 = 0.0,
+        /// Acceleration along it, as its limits allow.
+        acc: f32 = 0.0,
+        /// The highest square of the speed at its start from which all that follows can be kept. As
+        /// much as the junction allows is infinite, and not planned yet is NaN.
+        high: f32 = 0.0,
+        /// Entries that follow it, before the next motion.
+        others: u16 = 0,
+        course: Course = Course::Line,
+        /// [`EITHER`] and [`SETTLED`].
+        flags: u8 = 0,
+    }
+    /// All bytes are zero.
+    const EMPTY;
 }
 
 /// The bends of the junction may go to either side.
@@ -130,19 +135,6 @@ const SETTLED: u8 = 2;
 const _: () = assert!(size_of::<WaitingMotion>() == 64);
 
 impl WaitingMotion {
-    /// All bytes are zero.
-    const EMPTY: WaitingMotion = WaitingMotion {
-        vel: 0.0,
-        start: STANDSTILL,
-        shape: [0.0; 4],
-        length: 0.0,
-        acc: 0.0,
-        high: 0.0,
-        others: 0,
-        course: Course::Line,
-        flags: 0,
-    };
-
     fn has(&self, flag: u8) -> bool {
         self.flags & flag != 0
     }

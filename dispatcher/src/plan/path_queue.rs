@@ -305,8 +305,7 @@ impl PathQueue {
     }
 
     fn fill(&mut self, stores: &[EntryStore; 2], sampled: &CrdView, fifo: u8, until_ms: f64) -> bool {
-        let (before, [first, second]) = (self.end, stores);
-        let store = if fifo == 0 { first } else { second };
+        let (before, store) = (self.end, &stores[usize::from(fifo != 0)]);
         let mut more = true;
         while more && !self.look.is_empty() && self.lasts(stores, sampled, fifo) < until_ms {
             let end = self.end;

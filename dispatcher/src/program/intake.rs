@@ -113,10 +113,8 @@ impl Program<'_> {
 
     /// The record in hand is refused: for good, if its instant has been reached.
     fn refuse<const AXES: usize>(&mut self, poll: &mut Poll<AXES>, refused: &Refused) -> bool {
-        let runs = self.runs(poll.view);
-        let quiet = self.is_quiet();
         let full = matches!(refused.reason, Reason::FifoFull | Reason::CrdFull);
-        self.urgent = runs && (!full || quiet);
+        self.urgent = self.runs(poll.view) && (!full || self.is_quiet());
         if !self.is_past(poll.admission, poll.view) {
             return false;
         }
@@ -138,7 +136,7 @@ impl Program<'_> {
         let due = self.due(view);
         let Some((head, body)) = self.records.front() else { return Ok(RecordOutcome::Wait) };
         let due = DueInstant { may_fail: head.may_fail, ..due };
-        let (answer, effect, own) = match head.opcode {
+        let (answer, effect) = match head.opcode {
             number if class(number).is_some_and(|class| !class.lanes.in_program()) => {
                 return Err(Refused::new(Reason::NotForProgram));
             }
@@ -181,19 +179,16 @@ impl Program<'_> {
                     self.urgent = self.runs(view);
                     return Ok(RecordOutcome::Wait);
                 }
-                (Answer::Done, Effect::None, true)
+                (Answer::Done, Effect::None)
             }
             opcode::ProgramEnd => {
                 one::<ProgramEnd>(body)?;
                 poll.admission.staged.clear();
                 poll.admission.staged.add(TickCommand::ProgramEnd, ShadowChange::None);
-                (Answer::Done, Effect::None, true)
+                (Answer::Done, Effect::None)
             }
-            _ if self.config.is_some() => (Answer::Done, Effect::Config, true),
-            other => {
-                let (answer, effect) = poll.admission.admit(view, due, other, body)?;
-                (answer, effect, true)
-            }
+            _ if self.config.is_some() => (Answer::Done, Effect::Config),
+            other => poll.admission.admit(view, due, other, body)?,
         };
         if let Effect::Config = effect {
             return Ok(self.take_config(poll));
@@ -223,15 +218,8 @@ impl Program<'_> {
         if head.opcode == opcode::ProgramEnd {
             self.run.end = Some(self.lane.last);
         }
-        self.replies.push(Awaiting {
-            opcode: head.opcode,
-            tag: head.tag,
-            seq: Some(self.lane.last),
-            own,
-            answer,
-            may_fail: head.may_fail,
-            ..Awaiting::BLANK
-        });
+        let (RecordHead { opcode, tag, may_fail }, seq) = (head, Some(self.lane.last));
+        self.replies.push(Awaiting { opcode, tag, seq, own: true, answer, may_fail, ..Awaiting::BLANK });
         Ok(RecordOutcome::Taken)
     }
 

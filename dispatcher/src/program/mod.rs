@@ -172,8 +172,7 @@ impl<'a> Program<'a> {
     /// shows everything admitted before it.
     fn is_reached<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = self.script.instant_after(view);
-        let quiet = self.is_quiet();
-        self.runs(view) && quiet && instant < view.now.0.saturating_add(view.period.0)
+        self.runs(view) && self.is_quiet() && instant < view.now.0.saturating_add(view.period.0)
     }
 
     /// Whether the view is the last one before the tick on which the record in hand would act, and
@@ -196,8 +195,7 @@ impl<'a> Program<'a> {
     /// Whether the record in hand acts soon, and nothing before it is in flight.
     fn is_soon<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         let instant = self.script.instant_from(view.script_zero.0);
-        let quiet = self.is_quiet();
-        self.runs(view) && quiet && instant <= view.now.0.saturating_add(intake::COMMIT_LEAD_NS)
+        self.runs(view) && self.is_quiet() && instant <= view.now.0.saturating_add(intake::COMMIT_LEAD_NS)
     }
 
     /// What is known of the instant of the record in hand.

@@ -141,13 +141,11 @@ impl<const AXES: usize> TraceOut<AXES> {
 
     /// False if there is no room for it now.
     fn take(&mut self, sample: &Sample, view: &View<AXES>, configuration: &Configuration) -> bool {
+        if self.state == TraceState::Armed && sample.row == 0 {
+            self.state = TraceState::Head;
+        }
         match self.state {
-            TraceState::Off => return true,
-            TraceState::Armed if sample.row != 0 => return true,
-            TraceState::Armed => {
-                self.state = TraceState::Head;
-                return self.take(sample, view, configuration);
-            }
+            TraceState::Off | TraceState::Armed => return true,
             TraceState::Head => {
                 if !self.head(view, configuration) {
                     return false;

@@ -30,34 +30,25 @@ use servo::view::{AxisView, View};
 const TAKEN: usize = 64;
 const _: () = assert!((HELD_AT_ONCE + 1) * KEPT <= TAKEN, "a PathMany reports as much as is promised");
 
-/// The command handler.
-pub struct CommandHandler<'a, const AXES: usize> {
-    /// Admits commands.
-    pub admission: Admission<'a, AXES>,
-    renewed: RefreshedNumbers,
-    replies: PendingReplies<IMMEDIATE_ENTRIES, TAKEN>,
-    /// The next item of the LoadConfig in hand.
-    config: Option<u16>,
-    /// The PathMany in hand.
-    joined: PathManyProgress,
-    /// The executed state waits for replies that show what was before.
-    is_lagging: bool,
+servo::state! {
+    /// The command handler.
+    pub struct CommandHandler<'a, const AXES: usize> {
+        /// Admits commands.
+        pub admission: Admission<'a, AXES> = admission,
+        renewed: RefreshedNumbers = RefreshedNumbers::default(),
+        replies: PendingReplies<IMMEDIATE_ENTRIES, TAKEN> = PendingReplies::new(),
+        /// The next item of the LoadConfig in hand.
+        config: Option<u16> = None,
+        /// The PathMany in hand.
+        joined: PathManyProgress = PathManyProgress::default(),
+        /// The executed state waits for replies that show what was before.
+        is_lagging: bool = false,
+    }
+    /// A command handler at power-on.
+    pub fn new(admission: Admission<'a, AXES>);
 }
 
-impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
-    /// A command handler at power-on.
-    pub fn new(admission: Admission<'a, AXES>) -> Self {
-        let (renewed, replies) = (RefreshedNumbers::default(), PendingReplies::new());
-        CommandHandler {
-            admission,
-            renewed,
-            replies,
-            config: None,
-            joined: PathManyProgress::default(),
-            is_lagging: false,
-        }
-    }
-
+impl<const AXES: usize> CommandHandler<'_, AXES> {
     /// Follows the tick: executed entries of both lanes, axes that came to standstill, streams that
     /// ended.
     pub fn update_from(&mut self, program: &mut Program, view: &View<AXES>) {
@@ -95,12 +86,9 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
     fn forget_follow_tables(&mut self, view: &View<AXES>) {
         for (crd, sampled) in Crd::all().zip(&view.crds) {
             for fifo in 0..2 {
-                if [&self.admission.executed, &self.admission.admitted]
-                    .iter()
-                    .all(|shadows| shadows.crd(crd).space(sampled, fifo) == CAPACITY)
-                {
-                    self.admission.executed.forget_follow_tables(crd, fifo);
-                    self.admission.admitted.forget_follow_tables(crd, fifo);
+                let shadows = [&mut self.admission.executed, &mut self.admission.admitted];
+                if shadows.iter().all(|shadows| shadows.crd(crd).space(sampled, fifo) == CAPACITY) {
+                    shadows.into_iter().for_each(|shadows| shadows.forget_follow_tables(crd, fifo));
                 }
             }
         }
@@ -186,8 +174,7 @@ impl<'a, const AXES: usize> CommandHandler<'a, AXES> {
             return false;
         }
         let watch = Watch::DEFAULT;
-        let (command, change) = (TickCommand::Supervision(watch.supervision()), ShadowChange::Watch(watch));
-        self.admission.push(command, change);
+        self.admission.push(TickCommand::Supervision(watch.supervision()), ShadowChange::Watch(watch));
         self.admission.push(TickCommand::NewSession, ShadowChange::None);
         if view.lasers.iter().any(|laser| laser.commanded || laser.light || laser.owners.0 != 0) {
             self.admission.log.put(view.now, EventKind::ShutOff, 0, ShutOff::NewSession as u16);

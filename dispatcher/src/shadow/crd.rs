@@ -285,12 +285,10 @@ impl CrdShadow {
 
     /// One FIFO.
     pub fn path(&self, fifo: u8) -> &PathShadow {
-        let [first, second] = &self.fifos;
-        if fifo == 0 { first } else { second }
+        &self.fifos[usize::from(fifo != 0)]
     }
     fn path_mut(&mut self, fifo: u8) -> &mut PathShadow {
-        let [first, second] = &mut self.fifos;
-        if fifo == 0 { first } else { second }
+        &mut self.fifos[usize::from(fifo != 0)]
     }
     /// Whether it may be running when the next entry acts.
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {

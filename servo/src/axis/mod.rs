@@ -98,21 +98,16 @@ impl MotionState {
     }
 }
 
-/// What the next ramps are made of.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Ramps {
-    pub(crate) stop_dec: Accel,
-    pub(crate) jog: Jog,
-    /// Trap; its target and its speed (Jog's too) are those of SetPos and SetVel.
-    pub(crate) trap: Trapezoid,
-}
-
-impl Ramps {
-    const POWER_ON: Ramps = Ramps {
-        stop_dec: Accel::ONE,
-        jog: Jog { acc: Accel::NONE, dec: Accel::NONE, smooth: 0 },
-        trap: Trapezoid::POWER_ON,
-    };
+state! {
+    /// What the next ramps are made of.
+    #[derive(Debug, Clone, Copy)]
+    pub(crate) struct Ramps {
+        pub(crate) stop_dec: Accel = Accel::ONE,
+        pub(crate) jog: Jog = Jog { acc: Accel::NONE, dec: Accel::NONE, smooth: 0 },
+        /// Trap; its target and its speed (Jog's too) are those of SetPos and SetVel.
+        pub(crate) trap: Trapezoid = Trapezoid::POWER_ON,
+    }
+    const POWER_ON;
 }
 
 state! {

@@ -229,35 +229,28 @@ impl Displacements {
     }
 }
 
-/// A distance follow of fixed ratios, in the form for the tick. Its sum is kept, exactly, and the
-/// displacements since then are added: 31 bits each, where the distances have 64. A longer one (256
-/// pulses in a tick) takes the whole sum, and so does a sum that is held at the end of the range of
-/// a part of a power.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct FixedRatioSum {
-    /// Factors: low + high·2³².
-    of: [(i32, i32); DISTANCES],
-    pub(super) key: u32,
-    cut: PreparedShift,
-    /// The sample that the sum belongs to.
-    token: u32,
-    /// The sum is to be computed afresh.
-    fresh: bool,
-    sum: i128,
-    pub(super) power: i64,
+crate::state! {
+    /// A distance follow of fixed ratios, in the form for the tick. Its sum is kept, exactly, and
+    /// the displacements since then are added: 31 bits each, where the distances have 64. A longer
+    /// one (256 pulses in a tick) takes the whole sum, and so does a sum that is held at the end of
+    /// the range of a part of a power.
+    #[derive(Debug, Clone, Copy)]
+    pub(super) struct FixedRatioSum {
+        /// Factors: low + high·2³².
+        of: [(i32, i32); DISTANCES] = [(0, 0); DISTANCES],
+        pub(super) key: u32 = 0,
+        cut: PreparedShift = PreparedShift::of(0),
+        /// The sample that the sum belongs to.
+        token: u32 = 0,
+        /// The sum is to be computed afresh.
+        fresh: bool = true,
+        sum: i128 = 0,
+        pub(super) power: i64 = 0,
+    }
+    pub(super) const NONE;
 }
 
 impl FixedRatioSum {
-    pub(super) const NONE: FixedRatioSum = FixedRatioSum {
-        of: [(0, 0); DISTANCES],
-        key: 0,
-        cut: PreparedShift::of(0),
-        token: 0,
-        fresh: true,
-        sum: 0,
-        power: 0,
-    };
-
     /// There may be samples that it does not take.
     #[inline(always)]
     pub(super) fn skip(&mut self) {

@@ -32,35 +32,28 @@ impl FilterRate {
     }
 }
 
-/// The filtered velocities of the coordinates of a path.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct EncoderSpeed {
-    /// A channel has followed it: it has to run in every tick.
-    pub(crate) used: bool,
-    /// The tick up to which it goes on; in any other tick the velocity is taken as it is.
-    next: Ns,
-    /// The path begins with that tick.
-    begins: bool,
-    lag: FilterRate,
-    /// The period for which `share` was computed.
-    period: Ns,
-    /// The share of a new velocity in a tick, 2⁻⁶⁴.
-    share: u64,
-    /// 2⁻²⁸ pulse a tick.
-    velocity: [i64; 4],
+crate::state! {
+    /// The filtered velocities of the coordinates of a path.
+    #[derive(Debug, Clone, Copy)]
+    pub(crate) struct EncoderSpeed {
+        /// A channel has followed it: it has to run in every tick.
+        pub(crate) used: bool = false,
+        /// The tick up to which it goes on; in any other tick the velocity is taken as it is.
+        next: Ns = Ns(0),
+        /// The path begins with that tick.
+        begins: bool = false,
+        lag: FilterRate = FilterRate::POWER_ON,
+        /// The period for which `share` was computed.
+        period: Ns = Ns(0),
+        /// The share of a new velocity in a tick, 2⁻⁶⁴.
+        share: u64 = ALL,
+        /// 2⁻²⁸ pulse a tick.
+        velocity: [i64; 4] = [0; 4],
+    }
+    pub(crate) const POWER_ON;
 }
 
 impl EncoderSpeed {
-    pub(crate) const POWER_ON: EncoderSpeed = EncoderSpeed {
-        used: false,
-        next: Ns(0),
-        begins: false,
-        lag: FilterRate::POWER_ON,
-        period: Ns(0),
-        share: ALL,
-        velocity: [0; 4],
-    };
-
     /// Another time constant.
     pub(crate) fn set(&mut self, lag: FilterRate) {
         (self.lag, self.period) = (lag, Ns(0));

@@ -117,12 +117,6 @@ impl PowerBounds {
         }
     }
 
-    /// Checked bounds of a velocity follow: the maximum is above the minimum (LSR,
-    /// BufLaserFollowRatio).
-    pub fn admit_follow(mode: PowerMode, max: Power, min: Power) -> Result<PowerBounds, Refused> {
-        if max == min { Err(Refused::MaxNotAboveMin) } else { PowerBounds::admit(mode, max, min) }
-    }
-
     /// From powers that were bounds before.
     pub(super) fn again(max: Power, min: Power) -> PowerBounds {
         PowerBounds { min, max }

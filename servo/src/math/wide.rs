@@ -12,6 +12,21 @@ pub const fn umul(a: u64, b: u64) -> (u64, u64) {
     ((product >> 64) as u64, product as u64)
 }
 
+/// A double from 0 to below 2⁴¹, by its bits: 52 bits of fraction, and a field above them. Field 1
+/// is 2⁻¹²..2⁻¹¹, whose last bit is 2⁻⁶⁴; below, multiples of 2⁻⁶⁴, field 0.
+#[inline(always)]
+pub(crate) const fn packed(bits: u64) -> u64 {
+    let exponent = bits >> 52;
+    if exponent >= 1011 {
+        bits - (1010 << 52)
+    } else if exponent >= 958 {
+        let twice = (1 << 52 | bits & ((1 << 52) - 1)) >> (1010 - exponent);
+        (twice >> 1) + (twice & 1)
+    } else {
+        0
+    }
+}
+
 /// High half of the product of two 64-bit numbers.
 #[inline(always)]
 pub const fn umulhi(a: u64, b: u64) -> u64 {

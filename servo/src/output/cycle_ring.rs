@@ -94,7 +94,7 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
 
     /// The next slot of the queue.
     #[inline(always)]
-    fn slot(&self) -> usize {
+    pub(crate) fn slot(&self) -> usize {
         let slot = self.end.wrapping_sub(self.free.len());
         if slot < SLOTS { slot } else { 0 }
     }
@@ -118,11 +118,6 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
             to.store(value as u16, Ordering::Relaxed);
         }
         self.last = [self.last[1], length.wrapping_mul(times)];
-    }
-
-    /// The half-word that is queued next.
-    pub fn next_word(&self) -> usize {
-        self.slot().wrapping_mul(WORDS)
     }
 
     /// How long before the end of the queue the next cycle is read at the earliest, in counts.

@@ -1,14 +1,14 @@
 //! A coordinate system that moves.
 //!
-//! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a [`Step`] a
-//! tick; the effects of entries, with exact instants, to an [`Effects`]. Owns: the motion in force,
-//! a cursor for each FIFO. Fails: entries that run out at speed end the path there, and so does a
-//! wait that is reached at speed, [`PathStop::Underrun`].
+//! In: entries from two FIFOs and how many of them are there, instants, Stops. Out: a
+//! [`PathReport`] a tick; the effects of entries, with exact instants, to an [`Effects`]. Owns: the
+//! motion in force, a cursor for each FIFO. Fails: entries that run out at speed end the path
+//! there, and so does a wait that is reached at speed, [`PathStop::Underrun`].
 //!
-//! [`Path::step`] for the tick at `t` first passes the boundaries up to `t`, samples the position,
-//! and then passes those before `t + period`: the path is one period ahead of its published
-//! position. A Stop, an override and new data act at `t`; no boundary after it has been published
-//! yet.
+//! [`Path::advance`] for the tick at `t` first passes the boundaries up to `t`, samples the
+//! position, and then passes those before `t + period`: the path is one period ahead of its
+//! published position. A Stop, an override and new data act at `t`; no boundary after it has been
+//! published yet.
 mod advance;
 mod cursor;
 mod fast_path;
@@ -21,15 +21,15 @@ mod stop;
 
 pub use cursor::GEARS;
 pub use feed_override::FeedOverride;
-pub use interface::{Effects, FifoEnds, PathReport, PathSettings, PathStop, Step, StepReport, TrajectorySample};
+pub use interface::{Effects, FifoEnds, PathReport, PathSettings, PathStop, StepReport, TrajectorySample};
 
 use super::entry::MotionSpeeds;
-use super::geometry::{Curvature, GearMotion, GeometryStep, MotionGeometry};
+use super::geometry::{GearMotion, GeometryStep, MotionGeometry};
 use super::speed_profile::{Phase, SpeedPlan, SpeedPlanDraft};
 use super::store::PathEntries;
 use super::{DIMENSIONS, PathPos, PathSpeed};
 use crate::math::float::Float;
-use crate::segment::piece::{Motion, Piece};
+use crate::segment::piece::Piece;
 use crate::units::{Axis, Exact, FineNs, Ns, Pos};
 use cursor::{ActiveGear, Cursor, ORIGIN, SampledPosition};
 use fast_path::FastPathCase;
@@ -77,7 +77,7 @@ state! {
         fifo: u8 = 0,
         fast: FastPath = FastPath { publishes: false, turn: FastPathCase::Else },
         /// What is published has to be written as a whole.
-        fresh: bool = true,
+        pub(crate) fresh: bool = true,
         /// Whether a coordinate has slaves; then the motion between samples is kept: up to the last
         /// one, and since.
         led: bool = false,
@@ -450,26 +450,8 @@ impl Path {
         }
     }
 
-    /// The path at `next`; then all boundaries before `next + period`.
-    pub fn step(
-        &mut self,
-        next: Ns,
-        period: Ns,
-        feed: FifoEnds,
-        source: &impl PathEntries,
-        sink: &mut impl Effects,
-    ) -> Step {
-        let (heading, bend, motion) = ([0; DIMENSIONS], Curvature::STRAIGHT, Motion::STANDSTILL);
-        let mut step = Step { position: ORIGIN, heading, bend, motion, runs: false, fifo: 0, done: 0 };
-        let Step { position, heading, bend, motion, .. } = &mut step;
-        self.fresh = true;
-        let mut report = PathReport { position, heading, bend, motion, turns: &mut 0 };
-        let reported = self.advance(next, period, feed, source, sink, &mut report, true);
-        Step { runs: reported.runs, fifo: reported.fifo, done: reported.done, ..step }
-    }
-
-    /// The same; publishes into the report of the step before. A part of what follows is made ahead
-    /// only if `may_prepare`.
+    /// The path at `next`, published into the report of the step before; then all boundaries before
+    /// `next + period`. A part of what follows is made ahead only if `may_prepare`.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "a step, and where it goes to")]
     pub fn advance(
@@ -521,7 +503,7 @@ impl Path {
         StepReport { runs, fifo, done, released }
     }
 
-    /// The rest of the step after [`Path::fast_step`] has published the position at `next`: all
+    /// The rest of a step whose position at `next` the fast path has published: all
     /// boundaries before `next + period`.
     #[inline(always)]
     pub fn go_through(

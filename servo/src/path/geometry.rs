@@ -114,15 +114,18 @@ pub(super) enum GeometryStep {
     Cycle { plane: Plane, ccw: bool, vector: [i64; 2], radius: Float, turns: Float },
 }
 
-/// The geometry of one motion.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct MotionGeometry {
-    /// Where it starts, and where it ends, exactly.
-    pub(super) start: PathPos,
-    pub(super) end: PathPos,
-    /// Pulses.
-    pub(super) length: Float,
-    geometry: ShapeKind,
+crate::state! {
+    /// The geometry of one motion.
+    #[derive(Debug, Clone, Copy)]
+    pub(super) struct MotionGeometry {
+        /// Where it starts, and where it ends, exactly.
+        pub(super) start: PathPos = [Pos(0); DIMENSIONS],
+        pub(super) end: PathPos = [Pos(0); DIMENSIONS],
+        /// Pulses.
+        pub(super) length: Float = Float::ZERO,
+        geometry: ShapeKind = ShapeKind::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
+    }
+    pub(super) const NONE;
 }
 
 /// Half of a number with 22 fraction bits.
@@ -139,13 +142,6 @@ fn norm(parts: &[i64]) -> u128 {
 }
 
 impl MotionGeometry {
-    pub(super) const NONE: MotionGeometry = MotionGeometry {
-        start: [Pos(0); DIMENSIONS],
-        end: [Pos(0); DIMENSIONS],
-        length: Float::ZERO,
-        geometry: ShapeKind::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
-    };
-
     /// Sets where it starts and ends, and what is to be made next. `exact` replaces the target of a
     /// line that does not start there, where it is the pulse nearest to it.
     #[inline(always)]

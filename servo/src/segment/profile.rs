@@ -111,30 +111,25 @@ enum Other {
     Ready,
 }
 
-/// A motion, and the position in it.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-pub struct Profile {
-    pieces: [Piece; 2],
-    /// Whether the second of them is in force.
-    second: bool,
-    other: Other,
-    /// The piece made last, or one passed since the turn before, begins a pass or belongs to a
-    /// stream: more is published than the piece.
-    pub(crate) reports_pass: bool,
-    generator: Generator,
+crate::state! {
+    /// A motion, and the position in it.
+    #[derive(Debug, Clone, Copy)]
+    #[repr(C)]
+    pub struct Profile {
+        pieces: [Piece; 2] = [Piece::standstill(Ns(0), u64::MAX, Pos(0)); 2],
+        /// Whether the second of them is in force.
+        second: bool = false,
+        other: Other = Other::BeforeLast,
+        /// The piece made last, or one passed since the turn before, begins a pass or belongs to a
+        /// stream: more is published than the piece.
+        pub(crate) reports_pass: bool = false,
+        generator: Generator = Generator::Ramp(RampRun::IDLE),
+    }
+    /// At standstill at 0 since power-on.
+    pub const STANDSTILL;
 }
 
 impl Profile {
-    /// At standstill at 0 since power-on.
-    pub const STANDSTILL: Profile = Profile {
-        pieces: [Piece::standstill(Ns(0), u64::MAX, Pos(0)); 2],
-        second: false,
-        other: Other::BeforeLast,
-        reports_pass: false,
-        generator: Generator::Ramp(RampRun::IDLE),
-    };
-
     /// The piece in force since the last turn.
     #[inline(always)]
     pub fn piece(&self) -> &Piece {

@@ -67,11 +67,11 @@ struct NextKnot {
 
 /// The pass of the last piece.
 #[derive(Debug, Clone, Copy)]
-struct PvtPass {
+pub(crate) struct PvtPass {
     /// Position of its first point.
     origin: Exact,
     /// Its instant in 2⁻⁶⁴ ns.
-    began: u128,
+    pub(crate) began: u128,
     /// Passes of this table completed.
     passes: u32,
     /// The table in force, and the index of its header.
@@ -133,7 +133,7 @@ impl PvtRun {
 
     /// The pass of the piece in force; `ahead`: the last one made is not in force yet.
     #[inline(always)]
-    fn state_in_force(&self, ahead: bool) -> &PvtPass {
+    pub(crate) fn state_in_force(&self, ahead: bool) -> &PvtPass {
         if ahead { &self.back.pass } else { &self.track.pass }
     }
 
@@ -152,15 +152,6 @@ impl PvtRun {
         self.state_in_force(ahead).passes
     }
 
-    /// Time of the table at `now`, which runs from 0 to the first point's time and then from point
-    /// to point, in whole ns; at most the last point's time.
-    pub fn time(&self, now: Ns, ahead: bool) -> Ns {
-        let track = self.state_in_force(ahead);
-        let Header { delay, duration, .. } = *self.header_of(track);
-        let since = ((now.0 as u128) << 64).wrapping_sub(track.began.wrapping_sub(delay));
-        Ns((since.min(delay.wrapping_add(duration)) >> 64) as u64)
-    }
-
     /// Instant at which the time of the table was 0, or would have been in a later pass; rounded
     /// down.
     pub fn zero(&self, ahead: bool) -> Ns {
@@ -169,7 +160,7 @@ impl PvtRun {
     }
 
     #[inline(always)]
-    fn header_of(&self, pass: &PvtPass) -> &Header {
+    pub(crate) fn header_of(&self, pass: &PvtPass) -> &Header {
         let [first, second] = &self.headers;
         if pass.header == 0 { first } else { second }
     }

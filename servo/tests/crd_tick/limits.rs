@@ -1,6 +1,9 @@
 //! Faults and limits of axes that a path drives.
 use super::*;
 
+/// Bits that stay set until ClearStatus.
+const LATCHED: u32 = status::FAULTS | status::LIMITS | status::STOP_SMOOTH | status::STOP_ABRUPT;
+
 /// What a mapped axis must not do stops the path; its axes stop together, on the path, and the
 /// reason is latched.
 #[test]
@@ -37,7 +40,7 @@ fn faults_and_limits_of_one_axis_stop_all() {
             // 100 pulses along at 15 ms, 2.5 in a tick, one of which it may still go.
             assert!((79.9..=84.1).contains(&y), "{reason:?} {y}");
         }
-        assert!(has(&view.axes[5], bits) && view.axes[2].status & status::LATCHED == 0);
+        assert!(has(&view.axes[5], bits) && view.axes[2].status & LATCHED == 0);
         // It is blocked while the reason lasts.
         bench.start_path(&[0]);
         bench.tick();

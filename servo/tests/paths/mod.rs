@@ -1,6 +1,7 @@
 //! A host of paths for tests: entries in a list, all reports written down.
-use servo::path::{Effects, EntryEffect, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathStop, Step};
+use servo::path::{Effects, EntryEffect, FifoEnds, MotionSpeeds, Path, PathEntries, PathEntry, PathStop};
 use servo::segment::piece::Scaled;
+use servo::test_hooks::Step;
 use servo::units::{Axis, FineNs, Ns, Pos};
 
 pub struct Script(pub Vec<PathEntry>);

@@ -20,12 +20,6 @@ const GATE: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "laser_ga
 const LASER_PATH: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "laser_path::"];
 const LASER: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "laser::"];
 const LASER_FAULTS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "laser_faults::"];
-const ENDPOINT: &[&str] =
-    &["-p", "beamtick-protocol", "--test", "endpoint", "--", "an_acknowledgement_of", "a_lost_message", "a_frame_with"];
-const DELIVERIES: &[&str] = &["-p", "beamtick-protocol", "--lib", "--", "every_delivery"];
-const PROPERTIES: &[&str] = &["-p", "beamtick-protocol", "--test", "properties", "--", "frames_of_every_length"];
-const LINK: &[&str] = &["-p", "beamtick-host-tests", "--test", "link", "--", "a_restart_in_mid_stream", "every_seed"];
-const RING: &[&str] = &["-p", "beamtick-ring", "--lib"];
 const PT: &[&str] =
     &["-p", "beamtick-servo", "--test", "all", "--", "pt_exact::short_", "pt_exact::loops_do_not_drift"];
 const TICK_PT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "tick_pt::"];
@@ -46,22 +40,10 @@ const FOLLOW: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "f
 const FAULTS: &[&str] =
     &["-p", "beamtick-host-tests", "--test", "emulated_faults", "--", "every_fault_of_the_program_ends_dark"];
 
-const H743_FIRST_TICK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "the_first_tick"];
-const H743_STUCK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_link_task_that_stands_still"];
-const H743_PANIC: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_panic_rests"];
-const H743_STACK: &[&str] = &["-p", "beamtick-h743", "--test", "image", "--", "a_stack_that_is_full"];
-const H743_BREAKS: &[&str] = &["-p", "beamtick-h743", "--test", "facts", "--", "break"];
-const H743_VOLTAGES: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "voltages"];
-const H743_ENCODERS: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "edges_of_encoders"];
-const H743_PT: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "a_listing_of_pt"];
-const H743_LASERS: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "listings_of_lasers"];
-
 const SAFETY: &str = "servo/src/laser/safety.rs";
 const EDGES: &str = "servo/src/laser/edge_queue.rs";
 const TICK: &str = "servo/src/tick.rs";
 const RECEIVE: &str = "protocol/src/link/receive.rs";
-const TRANSMIT: &str = "protocol/src/link/transmit.rs";
-const QUEUE: &str = "ring/src/queue.rs";
 const PT_RUN: &str = "servo/src/segment/pt/evaluator.rs";
 const AHEAD: &str = "dispatcher/src/plan/look_ahead.rs";
 const ROUNDING: &str = "dispatcher/src/plan/look_ahead/rounding.rs";
@@ -81,59 +63,8 @@ pub(super) const fn mutant(
     Mutant { name, file, text, broken, test }
 }
 
-/// Every mutant, those of one crate together: it is built once more for each of them.
+/// Mutants of the rest, those of one crate together: it is built once more for each of them.
 pub const LIST: &[Mutant] = &[
-    // -- ring ----------------------------------------------------------------------------------
-    mutant(
-        "a full ring takes one more",
-        QUEUE,
-        "if self.pushed.wrapping_sub(popped) >= N as u32 {",
-        "if self.pushed.wrapping_sub(popped) > N as u32 {",
-        RING,
-    ),
-    mutant(
-        "a cleared ring is not empty",
-        QUEUE,
-        "self.free_to(self.ring.pushed.load(Ordering::Relaxed));",
-        "self.free_to(self.popped);",
-        RING,
-    ),
-    mutant(
-        "a reader does not take the newest",
-        "ring/src/latest.rs",
-        "        if self.is_new() {",
-        "        if !self.is_new() {",
-        RING,
-    ),
-    // -- link ----------------------------------------------------------------------------------
-    mutant(
-        "an acknowledgement of what was never sent is taken",
-        TRANSMIT,
-        "if step > outstanding {",
-        "if step > u16::MAX - 1 {",
-        ENDPOINT,
-    ),
-    mutant(
-        "a message that is lost is not sent again",
-        TRANSMIT,
-        "        self.resend = true;\n        self.recover = Some(self.sent);\n        self.retry =",
-        "        self.recover = Some(self.sent);\n        self.retry =",
-        ENDPOINT,
-    ),
-    mutant(
-        "a checksum is not compared",
-        "protocol/src/frame.rs",
-        "(checksum(&[body]) == u32::from_le_bytes(*crc)).then_some(body)",
-        "(crc.len() == 4).then_some(body)",
-        ENDPOINT,
-    ),
-    mutant(
-        "a full block is followed by a zero",
-        "protocol/src/deframe.rs",
-        "let full = code == 0xFF;",
-        "let full = code == 0x00;",
-        PROPERTIES,
-    ),
     // -- gate ----------------------------------------------------------------------------------
     mutant(
         "an edge at the instant of a command stays",
@@ -343,106 +274,6 @@ pub const LIST: &[Mutant] = &[
         "self.units = self.units.saturating_add(sum / UNIT_NS);",
         LIFE_COUNTS,
     ),
-    // -- link, both ends -----------------------------------------------------------------------
-    mutant(
-        "a message that comes twice is taken twice",
-        RECEIVE,
-        "let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };",
-        "let distance = ahead(sequence, self.take).unwrap_or(0);",
-        LINK,
-    ),
-    mutant(
-        "a message of any session is taken",
-        RECEIVE,
-        "let known = self.session != 0 && session == self.session;",
-        "let known = self.session != 0;",
-        LINK,
-    ),
-    // -- every delivery of the first frames of the link ---------------------------------------
-    mutant(
-        "deliveries: a frame of any session is taken",
-        RECEIVE,
-        "let known = self.session != 0 && session == self.session;",
-        "let known = self.session != 0;",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: a message that comes late is another one",
-        RECEIVE,
-        "let Some(distance) = ahead(sequence, self.take) else { return Accepted::Duplicate };",
-        "let distance = ahead(sequence, self.take).unwrap_or(0);",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: numbers do not begin anew",
-        TRANSMIT,
-        "(distance < 0x8000).then_some(distance)",
-        "(a >= b).then_some(distance)",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: a message that is lost is not sent again",
-        TRANSMIT,
-        "        self.resend = true;\n        self.recover = Some(self.sent);\n        self.retry =",
-        "        self.recover = Some(self.sent);\n        self.retry =",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: a KeepAlive is not answered",
-        RECEIVE,
-        "FrameKind::KeepAlive => self.receiver.ask_acknowledgement(),",
-        "FrameKind::KeepAlive => {}",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: a new session keeps the messages of the old one",
-        "protocol/src/link.rs",
-        "        self.transmitter.reset(window);\n        self.receiver.reset();",
-        "        self.transmitter.reset(window);",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: a client is open before the controller is",
-        RECEIVE,
-        "        self.phase = SessionPhase::Confirming(1);",
-        "        self.phase = SessionPhase::Confirming(1);\n        self.state = LinkState::Open;",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: what is missing is acknowledged",
-        TRANSMIT,
-        "acknowledgement: self.receiver.next().into(),",
-        "acknowledgement: self.receiver.next().wrapping_add(u16::from(gap)).into(),",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: a client confirms for ever",
-        "protocol/src/link.rs",
-        "SessionPhase::Confirming(count) if count < 3 =>",
-        "SessionPhase::Confirming(count) =>",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: an answer to another Hello is taken up",
-        RECEIVE,
-        "|| self.phase != SessionPhase::Asking || !ours {",
-        "|| self.phase != SessionPhase::Asking || !ours && header.session.get() == 0 {",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: a checksum is not compared",
-        "protocol/src/frame.rs",
-        "(checksum(&[body]) == u32::from_le_bytes(*crc)).then_some(body)",
-        "(crc.len() == 4).then_some(body)",
-        DELIVERIES,
-    ),
-    mutant(
-        "deliveries: the timer of the message after an acknowledged one is not set",
-        TRANSMIT,
-        "self.retry_at = (self.base != self.sent).then(|| now.saturating_add(self.retry));",
-        "self.retry_at = None;",
-        DELIVERIES,
-    ),
     // -- invariants of fuzzing -----------------------------------------------------------------
     mutant(
         "a message that comes again later is another one",
@@ -553,147 +384,5 @@ pub const LIST: &[Mutant] = &[
         "if position.iter().any(|at| at.is_nan())",
         "if position.iter().all(|_| false)",
         CRD_AHEAD,
-    ),
-    // -- the reference board's image, in emulation ---------------------------------------------
-    mutant(
-        "H743: the tick's timer runs before its interrupt is let in",
-        "hal/src/stm32h743/mod.rs",
-        "    for interrupt in [Interrupt::TIM2, Interrupt::USART3, Interrupt::OTG_FS] {\n        // SAFETY: the caller's promise.",
-        "    timer::start();\n    cortex_m::asm::delay(30_000);\n    for interrupt in [Interrupt::TIM2, Interrupt::USART3, Interrupt::OTG_FS] {\n        \
-         // SAFETY: the caller's promise.",
-        H743_FIRST_TICK,
-    ),
-    mutant(
-        "H743: the watchdog is fed although the link task stands still",
-        "firmware/src/supervision.rs",
-        "    if !is_late(now) {",
-        "    if !is_late(now) || TICKED.load(Relaxed) == now {",
-        H743_STUCK,
-    ),
-    mutant(
-        "H743: a panic leaves the outputs as they are",
-        "firmware/src/fault.rs",
-        "    board::safe_state();\n    let mut report",
-        "    let mut report",
-        H743_PANIC,
-    ),
-    mutant(
-        "H743: nothing guards the end of the stack",
-        "hal/src/stm32h743/mod.rs",
-        "    guard::below(&mut core.MPU, STACK, 1);",
-        "",
-        H743_STACK,
-    ),
-    mutant(
-        "H743: a break flag is not compared with its pin in ticks",
-        "hal/src/stm32h743/laser.rs",
-        "            CONTRADICTS.store(1 + 3 * input + text, Relaxed);",
-        "",
-        H743_BREAKS,
-    ),
-    mutant(
-        "H743: a break of the chip is taken for one of a pin",
-        "hal/src/stm32h743/laser.rs",
-        "let of_chip = flags == 0b111 || clocks::supply_is_low();",
-        "let of_chip = false;",
-        &["-p", "beamtick-h743", "--test", "facts", "--", "a_supply"],
-    ),
-    mutant(
-        "H743: a low supply at the start is blamed on the wiring",
-        "hal/src/stm32h743/laser.rs",
-        "found.filter(|_| !clocks::supply_is_low())",
-        "found",
-        &["-p", "beamtick-h743", "--test", "facts", "--", "a_supply"],
-    ),
-    mutant(
-        "H743: the interlock's inputs are not compared with each other",
-        "hal/src/stm32h743/laser.rs",
-        "self.apart >= MAX_TICKS_APART",
-        "self.apart == 0 && levels == MAX_TICKS_APART",
-        &["-p", "beamtick-h743", "--test", "facts", "--", "an_input"],
-    ),
-    mutant(
-        "H743: a start of light undoes a break that is over",
-        "hal/src/stm32h743/laser.rs",
-        "let is_dark = || timers.into_iter().any(is_broken);",
-        "let is_dark = || false;",
-        &["-p", "beamtick-h743", "--test", "restarts", "--", "a_loop"],
-    ),
-    mutant(
-        "H743: outputs are enabled before breaks are read",
-        "hal/src/stm32h743/laser.rs",
-        "    if is_dark() {\n        return false;\n    }\n    timers",
-        "    timers",
-        &["-p", "beamtick-h743", "--test", "restarts", "--", "a_loop"],
-    ),
-    mutant(
-        "H743: a reset of the timers drops a break",
-        "hal/src/stm32h743/laser.rs",
-        "        if was_broken {",
-        "        if was_broken && false {",
-        H743_BREAKS,
-    ),
-    mutant(
-        "H743: a fault within a frame of an external DAC leaves its voltage",
-        "hal/src/stm32h743/analog.rs",
-        "    spi::restart();\n    for channel",
-        "    for channel",
-        &["-p", "beamtick-h743", "--test", "external_dac", "--", "a_fault"],
-    ),
-    mutant(
-        "H743: a late byte shifts the frames of an external DAC",
-        "hal/src/stm32h743/analog.rs",
-        "                    spi::restart();\n",
-        "",
-        &["-p", "beamtick-h743", "--test", "external_dac", "--", "a_frame"],
-    ),
-    mutant(
-        "H743: an external DAC keeps its voltage until the clock comes",
-        "hal/src/stm32h743/mod.rs",
-        "        unsafe { analog::zero_external() };\n        clocks::await_source();",
-        "        clocks::await_source();\n        unsafe { analog::zero_external() };",
-        &["-p", "beamtick-h743", "--test", "external_dac", "--", "a_reset"],
-    ),
-    mutant(
-        "H743: any revision of the chip is a good one",
-        "hal/src/stm32h743/clocks.rs",
-        "    code.dev_id() == DEVICE && REVISIONS.contains(&code.rev_id())",
-        "    code.dev_id() == DEVICE",
-        &["-p", "beamtick-h743", "--test", "facts", "--", "other_chips"],
-    ),
-    mutant(
-        "H743: the switch of USB's 5 V floats",
-        "hal/src/stm32h743/boards/nucleo_h743zi2/mod.rs",
-        "    driven_low: &[(GPIOD, 10)],",
-        "    driven_low: &[],",
-        &["-p", "beamtick-h743", "--test", "image", "--", "start_up"],
-    ),
-    mutant(
-        "H743: analog inputs are exchanged",
-        "hal/src/stm32h743/adc.rs",
-        "const CHANNELS: [usize; INPUTS] = [1, 0];",
-        "const CHANNELS: [usize; INPUTS] = [0, 1];",
-        H743_VOLTAGES,
-    ),
-    mutant(
-        "H743: encoders count backwards",
-        "hal/src/stm32h743/encoders.rs",
-        "*count = count.wrapping_add(distance(now, *last));",
-        "*count = count.wrapping_sub(distance(now, *last));",
-        H743_ENCODERS,
-    ),
-    mutant(
-        "H743: voltages are half of what they shall be",
-        "hal/src/stm32h743/analog.rs",
-        "w.set_dhr((code as u16 ^ 0x8000) >> 4)",
-        "w.set_dhr(((code >> 1) as u16 ^ 0x8000) >> 4)",
-        H743_LASERS,
-    ),
-    mutant(
-        "H743: the tick needs 8000 bytes more of the stack",
-        "firmware/src/interrupts.rs",
-        "    supervision::tick_begins();",
-        "    supervision::tick_begins();\n    core::hint::black_box([0u8; 8000]);",
-        H743_PT,
     ),
 ];

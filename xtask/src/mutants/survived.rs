@@ -19,7 +19,7 @@ const LIFE: &[&str] = &[
     "a_message_is_kept",
 ];
 const SESSIONS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "sessions::"];
-const LIMITS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "refusals::limits_are_switched"];
+const LIMITS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "refusals::inputs::limits_are_switched"];
 
 const DRIVE: &str = "servo/src/tick/crd/drive.rs";
 const ORDERS: &str = "servo/src/tick/crd/commands.rs";

@@ -148,8 +148,8 @@ pub(super) struct Span {
     below: Vec<Line, LINES_MAX>,
 }
 
-/// A positive number as the nearest f32 that is not greater.
-pub(super) fn rounded_down(x: f64) -> f32 {
+/// A positive number, or 0, as the nearest f32 that is not greater.
+pub(crate) fn rounded_down(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) > x { f32::from_bits(near.to_bits() - 1) } else { near }
 }

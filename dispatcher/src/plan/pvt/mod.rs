@@ -165,11 +165,6 @@ impl TableDraft {
         self.taken
     }
 
-    /// Points of the whole table.
-    pub fn count(&self) -> u16 {
-        self.count
-    }
-
     /// Takes the next point. Returns its velocity (Percent) or its time (Continuous), 0 for the
     /// other descriptions. After a refusal the draft is of no further use.
     pub fn point(&mut self, values: &[f64], scratch: &mut Scratch<'_>) -> Admitted<f64> {

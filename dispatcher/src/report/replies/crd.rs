@@ -28,9 +28,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         if shadow.space(sampled, fifo) == CAPACITY {
             return 0;
         }
-        let [first, second] = queues;
-        let queue = if fifo == 0 { first } else { second };
-        queue.remaining(stores, sampled, fifo) as u32
+        queues[usize::from(fifo != 0)].remaining(stores, sampled, fifo) as u32
     }
 
     /// A read of the coordinate system `first`; `which` is the FIFO, or the coordinate.

@@ -10,10 +10,9 @@ use core::hint::black_box;
 use cortex_m_semihosting::hprintln;
 use hal as _; // the vector table
 use probes::clock;
-use servo::path::{
-    Effects, EntryEffect, EntryStore, FifoEnds, MotionSpeeds, Path, PathEntry, PathStop, Plane, Step, Sweep,
-};
+use servo::path::{Effects, EntryEffect, EntryStore, FifoEnds, MotionSpeeds, Path, PathEntry, PathStop, Plane, Sweep};
 use servo::segment::piece::Scaled;
+use servo::test_hooks::Step;
 use servo::units::{Axis, FineNs, Ns, Pos};
 
 const PERIOD: Ns = Ns(250_000);

@@ -91,26 +91,6 @@ impl PathSettings {
     }
 }
 
-/// The path at one tick.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Step {
-    /// Coordinates.
-    pub position: PathPos,
-    /// Direction of motion, a unit vector in 2⁻³⁰: times the path's velocity it is that of each
-    /// coordinate. Zeros where it does not move.
-    pub heading: [i32; DIMENSIONS],
-    /// The path length along the motion in force as a piece: its velocity is the path's.
-    pub motion: Motion,
-    /// How the direction turns.
-    pub bend: Curvature,
-    /// Whether it runs; it also does while it waits.
-    pub runs: bool,
-    /// FIFO in force.
-    pub fifo: u8,
-    /// Motions of it completed since it was cleared.
-    pub done: u32,
-}
-
 /// Where a path publishes its position; what has not changed is not written again.
 pub struct PathReport<'a> {
     /// Coordinates.

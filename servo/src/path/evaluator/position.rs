@@ -132,20 +132,9 @@ impl Path {
         distance
     }
 
-    /// The same, if nothing else is to be done at `next`: it is within a phase, no data has come
-    /// where the FIFO had ended, and it has neither geared axes nor slaves. The caller checks
-    /// whether the path may be there, and then calls [`Path::pass`].
-    #[inline(always)]
-    pub fn fast_step(&mut self, next: Ns, feed: FifoEnds, report: &mut PathReport) -> Option<Pos> {
-        if !self.may_step_fast(feed) {
-            return None;
-        }
-        let t = self.spot(next)?;
-        self.publish_fresh(report);
-        Some(self.publish_at(t, report))
-    }
-
-    /// Whether that may be so.
+    /// Whether nothing else is to be done: it is within a phase, no data has come where the FIFO
+    /// had ended, and it has neither geared axes nor slaves. The caller checks whether the path may
+    /// be at its next position, and then calls [`Path::pass`].
     #[inline(always)]
     pub(crate) fn may_step_fast(&self, feed: FifoEnds) -> bool {
         self.fast.publishes && !self.has_changed(feed)

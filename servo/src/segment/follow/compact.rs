@@ -3,6 +3,8 @@
 //! In: the bits of a double below 2⁴¹. Out: two words, and the number in 2⁻⁶⁴ pulse. Numbers below
 //! 2⁻¹¹ become multiples of 2⁻⁶⁴, the others lose nothing. Fails: [`NoNumber`] says what it is not.
 
+use crate::math::wide::packed;
+
 /// Fraction (52 bits) and field of the exponent (6 bits) of a magnitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Compact {
@@ -32,15 +34,7 @@ impl Compact {
         if exponent > 1023 + most || exponent == 1023 + most && fraction != 0 {
             return Err(NoNumber::TooLarge);
         }
-        // Field 1 is 2^-12..2^-11, whose last bit is 2^-64; below, multiples of 2^-64, field 0.
-        let packed = if exponent >= 1011 {
-            (exponent as u64 - 1010) << 52 | fraction
-        } else if exponent >= 958 {
-            let twice = (1 << 52 | fraction) >> (1010 - exponent);
-            (twice >> 1) + (twice & 1)
-        } else {
-            0
-        };
+        let packed = packed(bits & (u64::MAX >> 1));
         Ok(Compact { low: packed as u32, high: (packed >> 32) as u32 & 0x03ff_ffff })
     }
 

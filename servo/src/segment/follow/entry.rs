@@ -155,7 +155,7 @@ pub struct FollowChain {
     ends: [u32; 4],
     /// Segments, and entries that are not.
     segments: u16,
-    stops: u16,
+    pub(crate) stops: u16,
     /// Entries back to the head of the chain of ratios, and whether the number of segments is odd.
     back: u16,
     odd: bool,
@@ -179,11 +179,6 @@ impl FollowChain {
     /// Entries of the FIFO.
     pub fn entries(&self) -> u32 {
         self.segments as u32 + self.stops as u32
-    }
-
-    /// Those of them that are no segments.
-    pub fn stops(&self) -> u32 {
-        self.stops as u32
     }
 
     /// What a commit of these entries carries.

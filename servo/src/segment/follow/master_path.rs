@@ -105,13 +105,6 @@ impl PositionTrack {
 }
 
 impl<'a> MasterPath<'a> {
-    /// A straight line from a tick to the next.
-    pub fn line(now: Ns, period: Ns, from: Pos, to: Pos) -> MasterPath<'a> {
-        let mut track = PositionTrack::begin(from);
-        track.push(period.0 << 32, to);
-        MasterPath::of(now, &track, 0)
-    }
-
     /// From position to position of a slave. These plus `shift` are the master's.
     pub fn of(now: Ns, track: &PositionTrack, shift: i64) -> MasterPath<'a> {
         let mut track = *track;

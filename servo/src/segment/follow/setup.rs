@@ -3,41 +3,39 @@ use super::entry::{FifoTail, STOPS};
 use super::gear::GearRatio;
 use super::{Direction, FollowEntries, Master, StartEvent};
 
-/// The committed part of a FIFO.
-#[derive(Debug, Clone, Copy)]
-pub struct CommittedFifo {
-    /// Entries.
-    pub(super) end: u32,
-    pub(super) tail: FifoTail,
-    /// Indices of those that are no segments, in order.
-    pub(super) stops: [u16; STOPS],
-    /// How many.
-    pub(super) count: u8,
+crate::state! {
+    /// The committed part of a FIFO.
+    #[derive(Debug, Clone, Copy)]
+    pub struct CommittedFifo {
+        /// Entries.
+        pub(super) end: u32 = 0,
+        pub(super) tail: FifoTail = FifoTail { ratio: 0, down: false, continues: 0, last_stop: 0 },
+        /// Indices of those that are no segments, in order.
+        pub(super) stops: [u16; STOPS] = [0; STOPS],
+        /// How many.
+        pub(super) count: u8 = 0,
+    }
+    const EMPTY;
 }
 
-/// The settings of one axis and its FIFOs.
-#[derive(Debug, Clone, Copy)]
-pub struct Setup {
-    /// Which of the master's motion counts.
-    pub direction: Direction,
-    /// The axis or encoder that it follows.
-    pub master: Option<Master>,
-    /// What begins the motion.
-    pub event: StartEvent,
-    /// Passes to run, 0 for ever.
-    pub passes: u32,
-    /// Ratio of the next start in gear; none in another mode, or while none is set.
-    pub gear: Option<GearRatio>,
-    pub(super) fifos: [CommittedFifo; 2],
-}
-
-impl CommittedFifo {
-    const EMPTY: CommittedFifo = CommittedFifo {
-        end: 0,
-        tail: FifoTail { ratio: 0, down: false, continues: 0, last_stop: 0 },
-        stops: [0; STOPS],
-        count: 0,
-    };
+crate::state! {
+    /// The settings of one axis and its FIFOs.
+    #[derive(Debug, Clone, Copy)]
+    pub struct Setup {
+        /// Which of the master's motion counts.
+        pub direction: Direction = Direction::Both,
+        /// The axis or encoder that it follows.
+        pub master: Option<Master> = None,
+        /// What begins the motion.
+        pub event: StartEvent = StartEvent::Start,
+        /// Passes to run, 0 for ever.
+        pub passes: u32 = 1,
+        /// Ratio of the next start in gear; none in another mode, or while none is set.
+        pub gear: Option<GearRatio> = None,
+        pub(super) fifos: [CommittedFifo; 2] = [CommittedFifo::EMPTY; 2],
+    }
+    /// Nothing set, both FIFOs empty.
+    pub const POWER_ON;
 }
 
 impl CommittedFifo {
@@ -49,16 +47,6 @@ impl CommittedFifo {
 }
 
 impl Setup {
-    /// Nothing set, both FIFOs empty.
-    pub const POWER_ON: Setup = Setup {
-        direction: Direction::Both,
-        master: None,
-        event: StartEvent::Start,
-        passes: 1,
-        gear: None,
-        fifos: [CommittedFifo::EMPTY; 2],
-    };
-
     /// A FIFO.
     #[inline(always)]
     pub(super) fn fifo(&self, fifo: u8) -> &CommittedFifo {

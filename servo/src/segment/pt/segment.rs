@@ -2,7 +2,7 @@
 //!
 //! In: the bits of the user's double, time and kind, the segments before. Out: a [`Segment`], which
 //! only [`Segment::admit`] can make. Fails: with the rule that the datum breaks, [`Refused`].
-use crate::math::wide::Divisor;
+use crate::math::wide::{Divisor, packed};
 use crate::units::{Exact, Pos, StepLimit};
 
 /// What the velocity does inside a segment.
@@ -118,15 +118,7 @@ impl Segment {
         if time_ms <= before.time {
             return Err(Refused::NotIncreasing { before: before.time });
         }
-        // Field 1 is 2^-12..2^-11, whose last bit is 2^-64; below, multiples of 2^-64, field 0.
-        let packed = if exponent >= 1011 {
-            unsigned - (1010 << 52)
-        } else if exponent >= 958 {
-            let twice = (1 << 52 | fraction) >> (1010 - exponent);
-            (twice >> 1) + (twice & 1)
-        } else {
-            0
-        };
+        let packed = packed(unsigned);
         // |pos| in 2^-20: mantissa 2^(e-1075), to be scaled by 2^20. At most 2^60; below exponent
         // 1003 it is 0.
         let mantissa = 1 << 52 | fraction;

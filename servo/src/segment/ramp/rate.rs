@@ -95,28 +95,23 @@ impl Accel {
         self.0.value
     }
 
-    /// Its reciprocal, ms²/pulse, to 2⁻⁶⁰ of itself.
-    pub fn reciprocal(self) -> Float {
-        self.0.inverse
-    }
-
     /// Whether it was never set.
     pub fn is_zero(self) -> bool {
         self.0.value.is_zero()
     }
 
     /// The rate as the planner takes it.
-    pub(super) fn rate(self) -> Acceleration {
+    pub(crate) fn rate(self) -> Acceleration {
         self.0
     }
 }
 
 /// A rate of change of the velocity, pulse/ms².
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Acceleration {
+pub(crate) struct Acceleration {
     value: Float,
-    /// 1/rate.
-    pub(super) inverse: Float,
+    /// 1/rate, ms²/pulse, to 2⁻⁶⁰ of itself.
+    pub(crate) inverse: Float,
 }
 
 impl Acceleration {

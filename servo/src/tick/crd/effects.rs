@@ -1,8 +1,8 @@
 //! The effects of a path on the rest of the machine.
 //!
-//! In: what [`Path::step`](crate::path::Path::step) reports. Out: outputs and lasers with exact
-//! instants, motions of other axes, the state of the path after them. Owns nothing. Fails: a move
-//! that an axis must not make is reported, and the path must stop.
+//! In: what [`Path::advance`](crate::path::Path::advance) reports. Out: outputs and lasers with
+//! exact instants, motions of other axes, the state of the path after them. Owns nothing. Fails: a
+//! move that an axis must not make is reported, and the path must stop.
 use super::AxisMap;
 use crate::axis::AxisState;
 use crate::laser::{Lasers, PathRun};

@@ -1,0 +1,107 @@
+//! Drawings in DXF.
+use super::*;
+
+#[test]
+fn a_dxf_whose_shapes_have_heights_says_that_they_are_flat_here() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    for (to, says) in [("7", true), ("0", false)] {
+        let line = format!("0\nLINE\n8\n0\n62\n1\n10\n0\n20\n0\n30\n0\n11\n10\n21\n0\n31\n{to}\n");
+        let dxf = format!("0\nSECTION\n2\nENTITIES\n{line}0\nENDSEC\n0\nEOF\n");
+        fs::write(folder.path().join("z.dxf"), dxf).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "z.dxf", "--machine", "m.toml"]);
+        assert!(code == 0 && said.contains("marks of 10.000 mm"), "{said}");
+        let note = "z.dxf: note: shapes at several Z are marked in the plane of X and Y (1)";
+        assert_eq!(said.contains(note), says, "{said}");
+    }
+}
+
+/// Lines, arcs, circles, polylines with bulges, an ellipse, splines and a block, written by another
+/// program, which also evaluated their points (ezdxf; those of circles by sine and cosine).
+#[test]
+fn a_dxf_is_marked_where_another_program_says() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    fs::write(folder.path().join("plate.dxf"), include_str!("plate.dxf")).unwrap();
+    let mut marks: Vec<Mark> = Vec::new();
+    for line in include_str!("plate.csv").lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let (number, point) = (cells[0] as usize, [cells[2], cells[3]]);
+        if number == marks.len() {
+            let what = format!("mark {number}");
+            marks.push(Mark { points: vec![point], red: cells[1] == 1.0, what, corners: Vec::new() });
+            continue;
+        }
+        let points = &mut marks[number].points;
+        let from = points[points.len() - 1];
+        let count = ((point[0] - from[0]).hypot(point[1] - from[1]) / 0.02).ceil().max(1.0) as u32;
+        let on = |k: u32| [0, 1].map(|axis| from[axis] + (point[axis] - from[axis]) * f64::from(k) / f64::from(count));
+        points.extend((1..=count).map(on));
+    }
+    let words = ["sim", "plate.dxf", "--machine", "m.toml", "--tick-us", "100", "--trace", "t.csv", "--strict"];
+    let (said, code) = beamtick(folder.path(), &words);
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("on a layer that is off or frozen is not marked (1)"), "{said}");
+    differs(&marks, &rows(&folder.path().join("t.csv"))).unwrap();
+    // Units, and layers by name and by number.
+    let inches = include_str!("plate.dxf").replace("$INSUNITS\n 70\n4\n", "$INSUNITS\n 70\n1\n");
+    fs::write(folder.path().join("inch.dxf"), inches).unwrap();
+    let only = ["--layer", "layer=CUT,colour=1,power=5,speed=900", "--layer", "skip=true", "--at", "-300,-300"];
+    let (said, code) = beamtick(folder.path(), &[&["check", "inch.dxf", "--machine", "m.toml"][..], &only].concat());
+    assert!(code == 2 && said.contains("goes to Y 886.4"), "{said}");
+    let (said, code) = beamtick(folder.path(), &[&["check", "plate.dxf", "--machine", "m.toml"][..], &only].concat());
+    assert!(code == 0 && said.contains("X -300.000 to -200.000, Y -300.000 to -240.000"), "{said}");
+}
+
+#[test]
+fn what_is_wrong_in_a_dxf_has_line_and_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let with = |entities: &str| format!("0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n");
+    let line = "0\nLINE\n62\n1\n10\n0\n20\n0\n11\n5\n21\n5\n";
+    let blocks = |inner: &str, entities: &str| format!("0\nSECTION\n2\nBLOCKS\n{inner}0\nENDSEC\n{}", with(entities));
+    let bomb: String = (0..12)
+        .map(|k| {
+            let inner =
+                if k == 0 { line.to_owned() } else { format!("0\nINSERT\n2\nB{}\n10\n0\n20\n0\n", k - 1).repeat(10) };
+            format!("0\nBLOCK\n2\nB{k}\n10\n0\n20\n0\n{inner}0\nENDBLK\n8\n0\n")
+        })
+        .collect();
+    let spline = |degree: u32, knots: &str| {
+        let points: String = (0..4).map(|k| format!("10\n{k}\n20\n{}\n", k * k)).collect();
+        let knots: String = knots.split(' ').map(|knot| format!("40\n{knot}\n")).collect();
+        with(&format!("0\nSPLINE\n62\n1\n71\n{degree}\n{knots}{points}"))
+    };
+    let cases: Vec<(String, &str)> = vec![
+        (with(line).replace("EOF\n", ""), "this is no whole DXF: the file ends before its EOF"),
+        (with(line)[..60].to_owned(), "d.dxf:18: this is no whole DXF: the file ends among its entities"),
+        (String::new(), "d.dxf:1: this is no whole DXF"),
+        ("G1 X5\nG1 X6\n".to_owned(), "d.dxf:1: this is no DXF: `G1 X5` is no group code"),
+        (with(&line.replace("11\n5", "11\nnan")), "d.dxf:14: `nan`, of group 11, is no number within"),
+        (with(&line.replace("11\n5", "11\n1e300")), "`1e300`, of group 11, is no number within"),
+        (with(&line.replace("11\n5\n", "")), "a LINE has no group 11"),
+        (with(&line.replace("62\n1", "62\n3")), "takes colour 3 (#00ff00) on layer `0` (1 shapes)"),
+        (with(&line.replace("11\n5", "11\n5000")), "the LINE of line 6 goes to X 5000.000 mm"),
+        (with("0\nCIRCLE\n62\n1\n10\n0\n20\n0\n40\n0\n"), "d.dxf:6: the radius of a CIRCLE is 0; it is above 0"),
+        (with("0\nTEXT\n1\nhello\n"), "d.dxf:6: TEXT is not supported: make lines"),
+        (with("0\nHATCH\n"), "HATCH is not supported"),
+        (with("0\nARC\n10\n0\n20\n0\n40\n5\n50\n0\n51\n9\n210\n1\n220\n0\n230\n0\n"), "is not in the plane of X and Y"),
+        (with("0\nINSERT\n2\nNONE\n10\n0\n20\n0\n"), "the block `NONE` does not exist, or is in itself"),
+        (blocks(&bomb, "0\nINSERT\n2\nB11\n10\n0\n20\n0\n"), "blocks make more than 1000000 shapes"),
+        (spline(5, "0 0"), "a SPLINE has the degree 5; 1 to 3"),
+        (spline(3, "0 0 0 0 1 1 1"), "a SPLINE has 7 knots for 4 control points; they are 8"),
+        (spline(3, "0 0 0 0 1 1 0 1"), "and never fall"),
+        (with(""), "there is nothing to mark"),
+        ("AutoCAD Binary DXF\r\n\u{1a}\u{0}".to_owned(), "it is a binary DXF; save it as ASCII"),
+        ("0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n3\n0\nENDSEC\n".to_owned() + &with(line), "its unit ($INSUNITS 3)"),
+    ];
+    for (dxf, says) in &cases {
+        fs::write(folder.path().join("d.dxf"), dxf).unwrap();
+        let begin = std::time::Instant::now();
+        let (said, code) = beamtick(folder.path(), &["sim", "d.dxf", "--machine", "m.toml", "--trace", "t.csv"]);
+        let shown: String = dxf.chars().take(200).collect();
+        assert!(code == 2 && said.contains(says) && said.contains("nothing was run"), "{shown}: {code} {said}");
+        assert!(said.len() < 900 && begin.elapsed().as_secs() < 20, "{shown}: {} bytes", said.len());
+        assert!(!folder.path().join("t.csv").exists(), "{shown}");
+    }
+}
