@@ -349,7 +349,10 @@ impl Display for Description<'_> {
                 "got" => plain(f, refusal.got.get())?,
                 "low" => plain(f, refusal.low.get())?,
                 "high" => plain(f, refusal.high.get())?,
-                "cause" => f.write_str(laser_cause(refusal.high.get() as i16))?,
+                "cause" => f.write_str(match refusal.high.get() as i16 {
+                    0 => "one that was cleared since",
+                    cause => laser_cause(cause),
+                })?,
                 "stop" => f.write_str(stop_reason(refusal.high.get() as u16))?,
                 "axis" => write!(f, "{}", refusal.axis.get())?,
                 _ => write!(f, "{{{name}}}")?,

@@ -43,6 +43,8 @@ pub mod path_stop {
 pub mod laser_fault {
     /// A servo tick began late.
     pub const OVERRUN: i16 = 3;
+    /// An axis of a coordinate system that gates it hit a limit.
+    pub const LIMIT: i16 = 8;
 }
 
 /// Bits of `ConfigItem::given`.

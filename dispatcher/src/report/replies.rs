@@ -143,7 +143,7 @@ const _: () = {
     use servo::path::PathStop;
     assert!(path_stop::NEVER == PathStop::Never as u8 && path_stop::COMPLETED == PathStop::Completed as u8);
     assert!(path_stop::UNDERRUN == PathStop::Underrun as u8 && path_stop::STOPPED == PathStop::Stopped as u8);
-    assert!(laser_fault::OVERRUN == Cause::Overrun as i16);
+    assert!(laser_fault::OVERRUN == Cause::Overrun as i16 && laser_fault::LIMIT == Cause::Limit as i16);
 };
 
 /// A mode as `GetPrfMode` reports it.

@@ -211,8 +211,11 @@ impl Observer for Report<'_, '_> {
         Ok(())
     }
 
+    fn goes_on(&mut self) -> client::Result<()> {
+        attentive()
+    }
+
     fn progress(&mut self, progress: &Progress) -> client::Result<()> {
-        attentive()?;
         let mut message = format!("script clock {:.3} s", progress.clock().as_secs_f64());
         for dry in &progress.streams {
             match self.streams.iter_mut().find(|(known, _)| (known.core, known.axis) == (dry.core, dry.axis)) {

@@ -212,7 +212,9 @@ impl Source {
             message,
             help: (!help.is_empty()).then(|| help.to_owned()),
         };
-        show(&diagnostic, &self.name, &self.script)
+        // Lines of an imported job are not those of its program; `// N` at their ends are.
+        let name = if self.extent.is_some() { format!("{} as a job", self.name) } else { self.name.clone() };
+        show(&diagnostic, &name, &self.script)
     }
 }
 

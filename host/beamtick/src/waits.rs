@@ -277,6 +277,10 @@ impl Observer for Watch<'_, '_, '_> {
         Ok(())
     }
 
+    fn goes_on(&mut self) -> client::Result<()> {
+        self.report.goes_on()
+    }
+
     fn progress(&mut self, progress: &Progress) -> client::Result<()> {
         if let Some(live) = &mut self.live {
             live.follow(self.client, self.report, progress)?;

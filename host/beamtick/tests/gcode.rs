@@ -291,6 +291,20 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
 /// F is mm/min (or 1/min of a motion) along the path, whatever the axes count a mm; no axis passes
 /// its rate.
 /// The slowest motion of the controller is 2⁻²⁰ pulse/ms.
+/// The controller takes arcs of less than 2³¹ pulses: a flatter one becomes lines.
+#[test]
+fn an_arc_of_any_radius_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("m.toml", &machine(&MACHINES[0], "gus", FULL));
+    for radius in ["10000000", "10737418", "10737419", "21474837", "999999999"] {
+        write("a.nc", &format!("M3 S500 F1000\nG1 X100 Y100\nG2 X110 Y110 R{radius}\nG3 X100 Y110 R{radius}\nM2\n"));
+        let (said, code) = beamtick(folder.path(), &["sim", "a.nc", "--machine", "m.toml"]);
+        assert_eq!(code, 0, "{radius}: {said}");
+        assert!(said.contains("X 100.000 mm") && said.contains("Y 110.000 mm"), "{radius}: {said}");
+    }
+}
+
 #[test]
 fn what_is_slower_than_the_controller_moves_nothing() {
     let folder = tempfile::tempdir().unwrap();

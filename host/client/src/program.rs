@@ -113,6 +113,10 @@ pub trait Observer {
         let _ = answer;
         Ok(())
     }
+    /// At each turn of the link, some ms apart. An error ends the waiting (not the program).
+    fn goes_on(&mut self) -> Result<()> {
+        Ok(())
+    }
     /// About every 100 ms of the link's time. An error ends the waiting (not the program).
     fn progress(&mut self, progress: &Progress) -> Result<()> {
         let _ = progress;
@@ -269,6 +273,7 @@ pub(crate) fn run(
         for answer in answers {
             observer.answered(answer)?;
         }
+        observer.goes_on()?;
         if run.ready_to_start() {
             run.progress.queue = client.call(ProgramStart { strict: strict.into() })?;
             run.started = true;

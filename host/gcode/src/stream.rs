@@ -152,7 +152,7 @@ impl<'a> Stream<'a> {
             return Err("a jog has axis words, F, G20, G21, G53, G90 and G91".to_owned());
         }
         if block.f.is_none_or(|feed| feed <= 0) {
-            return Err("no feed rate was given: a jog needs F".to_owned());
+            return Err("no feed rate was given: a jog needs F above 0".to_owned());
         }
         let mut state = self.state.clone();
         state.motion = Motion::Line;

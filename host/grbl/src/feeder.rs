@@ -13,9 +13,9 @@ mod feed;
 use crate::entry::{Entry, Kind};
 use crate::records::records;
 use client::{Call, Client, Error, decode, refused};
-use protocol::command::{AxisStatus, BufLaserOn, CrdClear, CrdInfo, CrdStart, LaserStatus, SetOverride};
+use protocol::command::{AxisStatus, BufLaserOn, ClrSts, CrdClear, CrdInfo, CrdStart, LaserStatus, SetOverride};
 use protocol::reason::{laser_cause, stop_reason};
-use protocol::values::{path_stop, status};
+use protocol::values::{laser_fault, path_stop, status};
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -190,6 +190,8 @@ struct Feeder {
     /// Limits of X, Y, Z that were known when lines could come again, as bits of the status: an axis
     /// may move off its switch.
     known_limits: [u32; 3],
+    /// Why the laser is kept dark.
+    dark: i16,
     view: View,
 }
 
@@ -241,7 +243,7 @@ impl Feeder {
         let released = locked(&self.shared.inbox).released;
         if self.view.released != released {
             (self.view.fault, self.view.released) = (None, released);
-            self.known_limits = [status::LIMITS; 3];
+            (self.known_limits, self.dark) = ([status::LIMITS; 3], 0);
         }
         let stands = {
             let gate = locked(&self.shared.gate);
@@ -260,6 +262,15 @@ impl Feeder {
         };
         let info = self.exchange(batch, false)?;
         self.take_in(&info);
+        // What the path or an axis says of a cause says more.
+        if self.dark != 0 {
+            let is_limit = self.dark == laser_fault::LIMIT;
+            self.fault(is_limit, format!("the laser is dark: {}", laser_cause(self.dark)));
+        }
+        if self.known_limits != [0; 3] && !self.view.runs && self.view.fault.is_none() {
+            // A switch that is not active any more counts anew.
+            let _ = self.client.call(ClrSts { core: CORE.into(), axis: 1.into(), count: 8.into() });
+        }
         if empties && !self.view.runs {
             self.throw_away()?;
         } else if !stands {
@@ -323,9 +334,7 @@ impl Feeder {
             if let Some(reply) = reads.next() {
                 let laser = decode::<LaserStatus>(&reply?)?.0;
                 self.view.power = if laser.light != 0 { laser.power.get() } else { 0.0 };
-                if laser.fault.get() != 0 {
-                    self.fault(false, format!("the laser is dark: {}", laser_cause(laser.fault.get())));
-                }
+                self.dark = laser.fault.get();
             }
         }
         Ok(info)

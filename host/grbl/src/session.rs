@@ -435,7 +435,7 @@ impl<'a> Session<'a> {
             return self.dollar(trimmed);
         }
         if self.alarm.is_some() || self.jogs {
-            self.tell(if self.alarm.is_some() { UNLOCK } else { "a jog runs; 0x85 ends it" });
+            self.tell(if self.alarm.is_some() { UNLOCK } else { "a jog runs; 0x85 ends it, in the monitor space" });
             self.answer(errors::LOCKED);
             return Ok(());
         }

@@ -233,7 +233,7 @@ fn an_axis_moves_off_its_limit_switch() {
     for times in 0..3 {
         sender.ok("G90 G1 M3 S500 F1200 X100");
         sender.until(|status| status.at[0] > 20.0);
-        rig.board.lock().unwrap().inputs_mut().limit_positive[0] = true;
+        rig.board.lock().unwrap().inputs_mut().axes[0].limit_positive = true;
         assert_eq!(sender.line(), "ALARM:1", "{times}");
         assert!(sender.line().contains("the positive limit switch"));
         let at = sender.until(|status| status.state == "Alarm" && status.speeds().0 == 0.0).at[0];
@@ -255,7 +255,7 @@ fn an_axis_moves_off_its_limit_switch() {
             assert!(!rig.lit());
             status.state == "Idle"
         });
-        rig.board.lock().unwrap().inputs_mut().limit_positive[0] = false;
+        rig.board.lock().unwrap().inputs_mut().axes[0].limit_positive = false;
         sender.ok("G90 G0 X0");
         sender.idle();
     }

@@ -16,6 +16,8 @@ const AHEAD: usize = 400;
 const LOOK_AHEAD: u32 = 1024;
 /// The slowest motion of the controller, pulse/ms.
 const SLOWEST: f64 = 1.0 / (1 << 20) as f64;
+/// An arc of a larger radius becomes lines; the controller takes one less than twice as large.
+const RADIUS_MAX_PULSES: f64 = (1 << 30) as f64;
 /// The longest BufDelay, ms.
 const DELAY_MAX: u64 = 65_535;
 
@@ -529,7 +531,7 @@ impl<'a> Writer<'a> {
             }
             [centre[0] - along * chord[0] / size, centre[1] - along * chord[1] / size]
         };
-        if centre[0].hypot(centre[1]) < 1.0 {
+        if !(1.0..RADIUS_MAX_PULSES).contains(&centre[0].hypot(centre[1])) {
             return false;
         }
         let (axis_a, axis_b) = (&self.machine.axes[a], &self.machine.axes[b]);

@@ -5,7 +5,7 @@ use crate::refuse::{Refused, latched};
 use crate::report::answer::Refuser;
 use protocol::reason::Reason;
 use servo::output::TIMED_OUTPUTS;
-use servo::status::{LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
+use servo::status::{FAULTS, LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
 use servo::tick_command::MotionMode;
 use servo::units::{Axis, Crd};
 
@@ -32,6 +32,8 @@ impl<const AXES: usize> Reading<'_, AXES> {
             Some(limit) => limit,
             None if blocked => (latched(causes), status.into()),
             None if status & RUNNING != 0 => (Reason::Moving, status.into()),
+            // A ClrSts has come between: it was latched then.
+            None if status & (FAULTS | LIMIT_POSITIVE | LIMIT_NEGATIVE) != 0 => (latched(status), status.into()),
             None => (Reason::StateChanged, status.into()),
         };
         Refused::new(reason).axis(self.configuration.number_of(axis)).got(got)

@@ -48,6 +48,7 @@ impl Feed {
             lasted: (Duration::ZERO, 0),
             slow: None,
             known_limits: [0; 3],
+            dark: 0,
             view: View::default(),
         };
         feeder.begin()?;
