@@ -9,6 +9,7 @@
 //! of `firmware/` or `hal/` are found by tests in QEMU, of its image, or by those of the reference
 //! board's image in emulation.
 mod found;
+mod front_ends;
 mod light;
 mod link;
 mod list;
@@ -20,6 +21,7 @@ mod timing;
 use crate::board;
 use crate::setup::{TARGET, compiler};
 use crate::shell::{self, Outcome, cargo, read, root, target};
+use front_ends::FRONT_ENDS;
 use light::LIGHT;
 use link::RING_AND_LINK;
 use list::{LIST, Mutant};
@@ -62,7 +64,7 @@ impl fmt::Display for Fate {
 
 /// Every mutant.
 fn all() -> impl Iterator<Item = &'static Mutant> {
-    [RING_AND_LINK, LIST, REFERENCE_BOARD, SURVIVED, LIGHT].into_iter().flatten()
+    [RING_AND_LINK, LIST, REFERENCE_BOARD, SURVIVED, FRONT_ENDS, LIGHT].into_iter().flatten()
 }
 
 /// Checks that every mutant's text is in its file exactly once.

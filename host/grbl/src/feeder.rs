@@ -187,8 +187,8 @@ struct Feeder {
     lasted: (Duration, u32),
     /// When axes and laser were read.
     slow: Option<Instant>,
-    /// Limits of X, Y, Z that were known when lines could come again, as bits of the status: an axis
-    /// may move off its switch.
+    /// Limits of X, Y, Z that were known when lines could come again, as bits of the status: an
+    /// axis may move off its switch.
     known_limits: [u32; 3],
     /// Why the laser is kept dark.
     dark: i16,

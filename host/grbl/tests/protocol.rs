@@ -436,8 +436,8 @@ fn a_dwell_of_nothing_after_light_ends_it() {
     }
 }
 
-/// What switches outputs at standstill is no mark: the light that is on in the modal state comes back
-/// with the next motion.
+/// What switches outputs at standstill is no mark: the light that is on in the modal state comes
+/// back with the next motion.
 #[test]
 fn outputs_alone_at_standstill_keep_the_light_of_what_follows() {
     for alone in ["M8", "M7", "M9", "M8\nM9", "M5\nM8", "M2"] {

@@ -1,7 +1,7 @@
 //! Numbers of a job, quickly: long programs are made of them.
 //!
-//! In: a number. Out: the shortest digits that read back as it, without an exponent, as `Display` of
-//! f64 writes them; of two that are as near the last digit may be the other one.
+//! In: a number. Out: the shortest digits that read back as it, without an exponent, as `Display`
+//! of f64 writes them; of two that are as near the last digit may be the other one.
 use std::fmt::{Display, Formatter, Result};
 
 /// A number of a job.
