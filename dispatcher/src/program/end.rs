@@ -80,8 +80,8 @@ impl Program<'_> {
             // Data for a look-ahead waits for what was given before it, and then it is taken.
             _ if refused.reason == Reason::CrdFifoInUse => self.is_past(poll.admission, view),
             Cure::State if !matches!(refused.reason, Reason::CrdEmpty | Reason::LaserMapInUse) => self.is_reached(view),
-            // Of these only an end makes the record right ([`ShadowChange::may_free`]), or that what
-            // it is refused for does not begin.
+            // Of these only an end makes the record right ([`ShadowChange::may_free`]), or that
+            // what it is refused for does not begin.
             Cure::Motion | Cure::State => {
                 let settled = self.is_settled(view, refused.reason) && !poll.admission.admitted.may_not_start(view);
                 self.is_reached(view) || settled

@@ -137,8 +137,8 @@ impl AxisShadow {
         let idle = self.busy.is_none_or(|seq| executed(view, seq)) && axis.fifo != fifo && !self.may_switch(view, axis);
         self.is_outgoing(view, axis) || busy && !idle && self.follow.is_invalid(view, fifo)
     }
-    /// Whether a start is in flight that the tick refuses as far as the view shows: its servo is off
-    /// or a fault is latched, and nothing before the start changes that.
+    /// Whether a start is in flight that the tick refuses as far as the view shows: its servo is
+    /// off or a fault is latched, and nothing before the start changes that.
     pub fn may_not_start<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
         let Some(start) = self.started.filter(|&seq| !executed(view, seq)) else { return false };
         let before = |seq: u32| (seq ^ start) & PROGRAM_FLAG == 0 && is_up_to(seq, start) && !executed(view, seq);

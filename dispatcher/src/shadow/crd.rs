@@ -302,8 +302,8 @@ impl CrdShadow {
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         sampled.runs || is_in_flight(view, self.busy)
     }
-    /// Whether a start is in flight that may find the path elsewhere than its FIFO was left. Then the
-    /// tick refuses it.
+    /// Whether a start is in flight that may find the path elsewhere than its FIFO was left. Then
+    /// the tick refuses it.
     pub fn may_start_elsewhere<const AXES: usize>(&self, view: &View<AXES>) -> bool {
         is_in_flight(view, self.started) && self.path(self.fifo).passed.is_some()
     }
