@@ -450,11 +450,12 @@ fn outputs_alone_at_standstill_keep_the_light_of_what_follows() {
             sender.ok(line);
             sender.idle();
         }
-        sender.ok("G1 M3 S500 X15 F1200");
-        sender.until(|status| status.at[0] > 7.0 && status.at[0] < 14.0);
+        sender.ok("G1 M3 S500 X205 F1200");
+        sender.until(|status| status.at[0] > 7.0 && status.at[0] < 190.0);
         assert!(rig.lit(), "{alone}");
-        sender.idle();
-        assert_eq!((rig.lit(), rig.at()), (false, [1500.0, 0.0]), "{alone}");
+        sender.send("\x18");
+        sender.banner();
+        assert!(!rig.lit(), "{alone}");
         rig.end();
     }
 }

@@ -196,11 +196,9 @@ fn a_hold_in_a_last_dwell_keeps_its_rest() {
     let rig = Rig::new(MACHINE, false);
     let mut sender = rig.sender();
     sender.banner();
-    sender.ok("M3 S500 G1 X5 F1200");
-    sender.idle();
     let before = rig.now();
-    sender.ok("G4 P40");
-    sender.until(|status| status.state == "Run");
+    sender.send("M3 S500 G1 X5 F1200\nG4 P40\n");
+    sender.until(|status| status.state == "Run" && status.at[0] == 5.0);
     sender.send("!");
     sender.until(|status| status.state == "Hold:0");
     let part = rig.now() - before;
