@@ -232,7 +232,7 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
             page(&format!(
                 "<defs><path id=\"p\" pathLength=\"10\" d=\"M0 0H50\" {stroke}/></defs><use href=\"#p\" stroke-dasharray=\"1\"/>"
             )),
-            "the dashes of a shape without an id have other units by its pathLength",
+            "the dashes of a shape in the use of line 2 have other units by its pathLength",
         ),
         (
             page(&format!(
@@ -266,7 +266,10 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
             "more than 1,000,000 elements",
         ),
         (page(&format!("{}{LINE}{}", "<g>".repeat(10_000), "</g>".repeat(10_000))), "nested more than 1,000 deep"),
-        ("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"0\" height=\"5\"/>".to_owned(), "width, height or viewBox"),
+        (
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"0\" height=\"5\"/>".to_owned(),
+            "d.svg:1: its width, height or viewBox",
+        ),
     ];
     for (svg, says) in &cases {
         let begin = std::time::Instant::now();
@@ -315,6 +318,136 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
     ] {
         let (said, code) = beamtick(folder.path(), words);
         assert!(code == 2 && said.contains(says), "{words:?}: {said}");
+    }
+}
+
+/// What the reader of SVG itself complains of without a place, and groups without an id.
+#[test]
+fn errors_name_the_line_or_the_shape_where_it_can_be_found() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let filter = "<filter id=\"f\"><feGaussianBlur stdDeviation=\"1\"/></filter>";
+    let clip =
+        "<clipPath id=\"c\"><circle r=\"0.1\"/></clipPath><mask id=\"m\"><rect width=\"9\" height=\"9\"/></mask>";
+    let blurred = "<path d=\"M0 0H9\" stroke=\"#f00\" filter=\"url(#f)\"/>";
+    let cases: &[(String, &str)] = &[
+        (format!("{LINE}\n<g><path d=\"M0 0H9\" stroke=\"foo\"/></g>"), "d.svg:3: <path>: stroke is `foo`"),
+        (format!("{LINE}\n<g style=\"stroke: foo\">\n<path d=\"M0 0H9\"/></g>"), "d.svg:3: <g>: stroke is `foo`"),
+        (
+            format!("<style>.x {{ stroke: foo }}</style>\n<path class=\"x\" d=\"M0 0H9\"/>{LINE}"),
+            "d.svg: stroke is `foo`, which cannot be read",
+        ),
+        (format!("{LINE}\n<g id=\"a\"><use href=\"#a\"/></g>"), "d.svg:3: <use> shows itself"),
+        (format!("{LINE}\n<use id=\"u\" href=\"#u\"/>"), "d.svg:3: <use> shows itself"),
+        (
+            format!("<g id=\"a\">{LINE}\n<use href=\"#b\"/></g><g id=\"b\"><g>\n<use href=\"#a\"/></g></g>"),
+            "d.svg:3: <use> shows itself",
+        ),
+        (
+            format!("{LINE}\n<use href=\"other.svg#a\"/>"),
+            "d.svg:3: <use> shows `other.svg#a` of another file, which is not read",
+        ),
+        (format!("{filter}{LINE}\n{blurred}"), "d.svg:3: Filters on zero-sized shapes are not allowed"),
+        (
+            format!("{filter}{LINE}\n{blurred}\n{blurred}"),
+            "d.svg: Filters on zero-sized shapes are not allowed: one of the elements with a filter, of lines 3, 4",
+        ),
+        (format!("{clip}\n<g clip-path=\"url(#c)\">{LINE}{LINE}</g>"), "the g of line 3 is cut by a clip path"),
+        (format!("{clip}\n<g mask=\"url(#m)\">{LINE}{LINE}</g>"), "the g of line 3 has a mask"),
+        (format!("{clip}\n<g id=\"own\" mask=\"url(#m)\">{LINE}{LINE}</g>"), "the group `own` has a mask"),
+        (
+            format!("{clip}\n<path clip-path=\"url(#c)\" d=\"M0 0L1 1\" stroke=\"red\"/>"),
+            "the path of line 3 is cut by a clip path",
+        ),
+        (
+            format!("{clip}<defs><g id=\"p\" clip-path=\"url(#c)\">{LINE}</g></defs>\n<use href=\"#p\"/>"),
+            "a shape in the use of line 3 is cut by a clip path",
+        ),
+        (
+            format!(
+                "<defs>{}</defs>\n<use href=\"#p\"/>",
+                LINE.replace("<path", "<path id=\"p\" transform=\"scale(5000)\"")
+            ),
+            "a shape in the use of line 3 goes to",
+        ),
+    ];
+    for (inside, says) in cases {
+        let svg = page(inside);
+        fs::write(folder.path().join("d.svg"), &svg).unwrap();
+        let (said, code) = beamtick(folder.path(), &["sim", "d.svg", "--machine", "m.toml", "--trace", "t.csv"]);
+        assert!(code == 2 && said.contains(says) && said.contains("nothing was run"), "{svg}: {code} {said}");
+        assert!(!said.contains("beamtick:"), "{said}");
+        assert!(!folder.path().join("t.csv").exists(), "{svg}");
+    }
+}
+
+/// What a drawing has and is not marked is said, as what it is.
+#[test]
+fn what_is_passed_over_is_noted_as_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let other = "<path d=\"M0 0H5\" stroke=\"#f00\"/>";
+    let filled = "shapes with a fill and no stroke";
+    for (inside, says, not) in [
+        ("<use href=\"#missing\"/>", "the use of line 3 shows `#missing`, which does not exist", "(with"),
+        ("<use href=\"#a\"/>\n<use href=\"#b\"/>", "shows `#a`, which does not exist (with it 2", "`#b`"),
+        ("<use/>", "the use of line 3 shows nothing: it has no href", filled),
+        ("<g display=\"none\"><use href=\"#missing\"/></g><use href=\"#d\"/><defs><g id=\"d\"/></defs>", "", "shows"),
+        (
+            "<path d=\"M9 9H5V5\" stroke=\"context-stroke\"/>",
+            "context-stroke and context-fill are no stroke outside of a marker or a `use` (1)",
+            filled,
+        ),
+        (
+            "<g style=\"stroke:context-fill\"><path d=\"M9 9H5V5\" fill=\"none\"/></g>",
+            "context-stroke and context-fill are no stroke outside of a marker or a `use` (1)",
+            filled,
+        ),
+        (
+            "<defs><path id=\"d\" d=\"M0 9V5\" fill=\"none\" stroke=\"context-stroke\"/></defs><use href=\"#d\"/>",
+            "",
+            "context",
+        ),
+        (
+            "<path d=\"M0 9V5\" stroke=\"red\" visibility=\"hidden\"/>",
+            "what is hidden by its visibility is not marked (1)",
+            "transparent",
+        ),
+        (
+            "<path d=\"M0 9V5\" stroke=\"red\" stroke-opacity=\"0\"/>",
+            "what is fully transparent is not marked (1)",
+            "hidden",
+        ),
+    ] {
+        let (said, code) = check(folder.path(), &page(&format!("{other}\n{inside}")));
+        assert!(code == 0 && said.contains("marks of 5.000 mm"), "{inside}: {said}");
+        assert!(said.contains(says) && !said.contains(not), "{inside}: {said}");
+    }
+    // The colour of a `use` is that of what it shows.
+    let shown =
+        "<defs><path id=\"d\" d=\"M0 9V5\" stroke=\"context-stroke\"/></defs><use href=\"#d\" stroke=\"#f00\"/>";
+    let (said, code) = check(folder.path(), &page(shown));
+    assert!(code == 0 && said.contains("marks of 4.000 mm") && !said.contains("context"), "{said}");
+}
+
+/// The note about a page's size says what is done.
+#[test]
+fn the_note_about_the_size_of_a_page_is_true() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    for (size, marks, note) in [
+        ("width=\"100mm\" viewBox=\"0 0 100 50\"", "marks of 10.000 mm, X 0.000 to 10.000, Y 50.000", ""),
+        ("height=\"50mm\" viewBox=\"0 0 100 50\"", "marks of 10.000 mm, X 0.000 to 10.000, Y 50.000", ""),
+        ("style=\"width:100mm;height:50mm\" viewBox=\"0 0 100 50\"", "marks of 2.646 mm", "26.458 mm wide"),
+        ("width=\"192\" viewBox=\"0 0 100 50\"", "marks of 5.080 mm", "50.800 mm wide and 25.400 mm high"),
+        ("viewBox=\"0 0 96 48\"", "marks of 2.646 mm", "25.400 mm wide and 12.700 mm high"),
+        ("width=\"96\" height=\"48\"", "marks of 2.646 mm", "25.400 mm wide and 12.700 mm high"),
+    ] {
+        let line = "<path d=\"M0 0H10\" stroke=\"red\"/>";
+        let svg = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" {size}>{line}</svg>");
+        let (said, code) = check(folder.path(), &svg);
+        assert!(code == 0 && said.contains(marks) && said.contains(note), "{size}: {said}");
+        assert_eq!(said.contains("a unit"), !note.is_empty(), "{size}: {said}");
     }
 }
 
@@ -589,6 +722,90 @@ fn a_dxf_whose_shapes_have_heights_says_that_they_are_flat_here() {
         assert!(code == 0 && said.contains("marks of 10.000 mm"), "{said}");
         let note = "z.dxf: note: shapes at several Z are marked in the plane of X and Y (1)";
         assert_eq!(said.contains(note), says, "{said}");
+    }
+}
+
+/// A DXF with layers (name, other groups) and entities.
+fn dxf(layers: &[(&str, &str)], entities: &str) -> String {
+    let rows: String = layers.iter().map(|(name, groups)| format!("0\nLAYER\n2\n{name}\n{groups}")).collect();
+    format!(
+        "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n{rows}0\nENDTAB\n\
+         0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n"
+    )
+}
+
+/// AutoCAD's names have no case: of layers that are off, frozen or not plotted, of those of the
+/// machine file, and of those whose ends meet.
+#[test]
+fn names_of_layers_have_no_case() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let line =
+        |layer: &str, y: u32, to: u32| format!("0\nLINE\n8\n{layer}\n62\n1\n10\n0\n20\n{y}\n11\n{to}\n21\n{y}\n");
+    let off = "on a layer that is off or frozen is not marked (1)";
+    let unplotted = "what is on a layer that is not plotted is not marked (1)";
+    for (layers, layer, says) in [
+        (&[("A", "70\n1\n")][..], "a", off),
+        (&[("a", "62\n-7\n")], "A", off),
+        (&[("\u{c4}u\u{df}en", "70\n1\n")], "\u{e4}u\u{df}EN", off),
+        (&[("A", "290\n0\n")], "A", unplotted),
+        (&[("A", "290\n0\n")], "a", unplotted),
+        // A program whose names have a case.
+        (&[("A", ""), ("a", "70\n1\n")], "a", off),
+        (&[("Aa", ""), ("aA", "70\n1\n")], "aa", off),
+    ] {
+        let drawing = dxf(layers, &(line(layer, 5, 9) + &line("B", 0, 3)));
+        fs::write(folder.path().join("d.dxf"), drawing).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "d.dxf", "--machine", "m.toml"]);
+        assert!(code == 0 && said.contains("marks of 3.000 mm"), "{layers:?} {layer}: {said}");
+        assert!(said.contains(says), "{layers:?} {layer}: {said}");
+    }
+    for (layers, layer) in [(&[("A", "290\n1\n")][..], "a"), (&[("A", "70\n1\n"), ("a", "")], "a")] {
+        fs::write(folder.path().join("d.dxf"), dxf(layers, &line(layer, 5, 9))).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "d.dxf", "--machine", "m.toml"]);
+        assert!(code == 0 && said.contains("marks of 9.000 mm") && !said.contains("not marked"), "{layers:?}: {said}");
+    }
+    // Of the machine file, and of ends that meet.
+    let corner = "0\nLINE\n8\nCut\n62\n1\n10\n9\n20\n5\n11\n9\n21\n0\n";
+    fs::write(folder.path().join("d.dxf"), dxf(&[], &(line("cUT", 5, 9) + corner))).unwrap();
+    let only = ["--layer", "layer=CUT,power=5,speed=900"];
+    let words = [&["import", "d.dxf", "--machine", "m.toml", "-o", "d.gts"][..], &only].concat();
+    let (said, code) = beamtick(folder.path(), &words);
+    assert_eq!(code, 0, "{said}");
+    let job = fs::read_to_string(folder.path().join("d.gts")).unwrap();
+    assert_eq!(job.matches("BufLaserOn").count(), 1, "one shape\n{job}");
+    // What is invisible is not on a layer that is off.
+    fs::write(folder.path().join("d.dxf"), dxf(&[], &(line("A", 5, 9) + &line("A\n60\n1", 0, 3)))).unwrap();
+    let (said, code) = beamtick(folder.path(), &["check", "d.dxf", "--machine", "m.toml"]);
+    assert!(code == 0 && said.contains("what is invisible is not marked (1)"), "{said}");
+}
+
+/// Bulges of a rounding, and of arcs so flat that their centres are kilometres away.
+#[test]
+fn flat_arcs_of_a_dxf_are_marked_where_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    for (bulge, chord, sagitta) in [
+        ("1e-7", 10.0, 0.0),
+        ("-1e-7", 10.0, 0.0),
+        ("5e-324", 10.0, 0.0),
+        ("1e-5", 10.0, 0.0),
+        ("4e-4", 200.0, 0.04),
+        ("-5e-5", 350.0, -0.00875),
+    ] {
+        let entities = format!("0\nLWPOLYLINE\n62\n1\n90\n2\n70\n0\n10\n0\n20\n1\n42\n{bulge}\n10\n{chord}\n20\n1\n");
+        fs::write(folder.path().join("d.dxf"), dxf(&[], &entities)).unwrap();
+        let words = ["sim", "d.dxf", "--machine", "m.toml", "--tick-us", "100", "--trace", "t.csv", "--strict"];
+        let (said, code) = beamtick(folder.path(), &words);
+        assert_eq!(code, 0, "{bulge}: {said}");
+        let count = 4000;
+        let points = (0..=count).map(|k| {
+            let t = f64::from(k) / f64::from(count);
+            [chord * t, 1.0 - 4.0 * sagitta * t * (1.0 - t)]
+        });
+        let what = format!("the bulge {bulge}");
+        let mark = Mark { points: points.collect(), red: true, what, corners: Vec::new() };
+        differs(&[mark], &rows(&folder.path().join("t.csv"))).unwrap_or_else(|why| panic!("{bulge}: {why}"));
     }
 }
 
