@@ -140,8 +140,7 @@ pub fn thin(document: &Document<'_>) -> Option<String> {
     (count > 0).then(|| format!("a stroke-width of 0 is no stroke, and is not marked: give it a width ({count})"))
 }
 
-/// Shapes whose stroke is that of the path of a marker or of a `use`, and that are in neither: their
-/// ids.
+/// Ids of shapes whose stroke is that of a marker's path or of a `use`, and that are in neither.
 pub fn strokes_without_context(document: &Document<'_>) -> HashSet<String> {
     if !document.input_text().contains("context-") {
         return HashSet::new();
