@@ -261,6 +261,7 @@ pub fn link(given: Option<&str>, drawing: &Drawing) -> Result<String, Failure> {
 pub fn import(arguments: &Import) -> Result<(), Failure> {
     let name = arguments.program.display().to_string();
     let unread = |error: io::Error| Failure::Input(format!("{name}: it cannot be read: {error}"));
+    input::is_for_one(&arguments.program, arguments.drawing.machine.as_deref()).map_err(unread)?;
     if kind(&arguments.program).map_err(unread)?.is_none() {
         let seen = if input::is_standard(&arguments.program) { "it is neither G-code nor a drawing" } else { NAMED };
         return Err(Failure::Input(format!("{name}: {seen}")));

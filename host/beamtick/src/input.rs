@@ -38,6 +38,21 @@ pub fn is_standard(path: &Path) -> bool {
     path == Path::new("-")
 }
 
+/// Whether `-` stands for one file at most, before anything is read.
+///
+/// # Errors
+/// It stands for the job and the machine file.
+pub fn is_for_one(job: &Path, machine: Option<&Path>) -> io::Result<()> {
+    if is_standard(job) && machine.is_some_and(is_standard) {
+        return Err(taken(Role::Job));
+    }
+    Ok(())
+}
+
+fn taken(by: Role) -> io::Error {
+    io::Error::other(format!("the standard input is {by} already; `-` is for one file"))
+}
+
 /// A file with more than `size` bytes that begins with `mark`.
 pub fn long(path: &Path, mark: &[u8], size: usize) -> io::Result<Option<File>> {
     if is_standard(path) || !std::fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > size as u64) {
@@ -90,7 +105,7 @@ pub fn standard<T>(role: Role, look: impl FnOnce(&[u8]) -> T) -> io::Result<T> {
     }
     match &*standard {
         Some((of, bytes)) if *of == role => Ok(look(bytes)),
-        Some((of, _)) => Err(io::Error::other(format!("the standard input is {of} already; `-` is for one file"))),
+        Some((of, _)) => Err(taken(*of)),
         None => Err(io::Error::other("nothing was read")),
     }
 }

@@ -63,6 +63,8 @@ impl Source {
     /// The same, with a picture of the path of a program or a drawing.
     pub fn open_drawn(path: &Path, drawing: &Drawing, plot: Option<&Path>, timed: bool) -> Result<Self, Failure> {
         let name = path.display().to_string();
+        // Looked at first: a machine file that came over the standard input looks like a job.
+        input::is_for_one(path, drawing.machine.as_deref()).map_err(|error| unread(&name, &error))?;
         let kind = import::kind(path).map_err(|error| unread(&name, &error))?;
         if kind.is_some() {
             let found = import::job(path, drawing, plot, timed)?;

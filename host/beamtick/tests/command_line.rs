@@ -104,6 +104,8 @@ fn any_file_may_come_over_the_standard_input() {
             "-: the inputs cannot be read: the standard input is the job already",
         ),
         (program, vec!["import", "-", "--machine", "-", "-o", "x.gts"], "the standard input is the job already"),
+        (&toml, vec!["check", "-", "--machine", "-"], "the standard input is the job already; `-` is for one file"),
+        (&toml, vec!["import", "-", "--machine", "-", "-o", "x.gts"], "the standard input is the job already"),
         (plain, vec!["import", "-", "--machine", &machine, "-o", "x.gts"], "-: it is neither G-code nor a drawing"),
         (plain, vec!["sim", "-", "--trace", "-"], "--trace -: it names a file; the standard output is /dev/stdout"),
         ("", vec!["sim", "-"], "-: nothing came over the standard input"),

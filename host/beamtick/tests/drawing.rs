@@ -4,6 +4,8 @@ mod dxf;
 #[path = "drawing/generator.rs"]
 mod generator;
 mod judge;
+#[path = "drawing/notes.rs"]
+mod notes;
 #[path = "drawing/refused.rs"]
 mod refused;
 

@@ -261,6 +261,22 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
         assert!(code == 2 && said.contains(says) && said.contains("nothing was run"), "{line}: {code} {said}");
         assert!(!folder.path().join("t.csv").exists() && !folder.path().join("t.csv.partial").exists(), "{line}");
     }
+    let wide = |letters: &str, big: bool| -> Vec<u8> {
+        letters.encode_utf16().flat_map(|unit| if big { unit.to_be_bytes() } else { unit.to_le_bytes() }).collect()
+    };
+    for (bytes, says) in [
+        (wide("\u{feff}G21\nG0 X5\n", false), "p.nc: the file is UTF-16 text; save it as UTF-8"),
+        (wide("\u{feff}G21\nG0 X5\n", true), "p.nc: the file is UTF-16 text; save it as UTF-8"),
+        (wide("G21\nG0 X5\n", false), "p.nc: the file is UTF-16 text; save it as UTF-8"),
+        (wide("G21\nG0 X5\n", true), "p.nc: the file is UTF-16 text; save it as UTF-8"),
+        (b"G21\nG0 X5 \xe9\n".to_vec(), "p.nc:2: what is not UTF-8 text is no G-code; save the file as UTF-8"),
+        ("G21\nG0 X5 \u{e9}\n".into(), "p.nc:2: `\u{e9}` is no G-code"),
+    ] {
+        fs::write(folder.path().join("p.nc"), bytes).unwrap();
+        let (said, code) = beamtick(folder.path(), &["sim", "p.nc", "--machine", "m.toml", "--trace", "t.csv"]);
+        assert!(code == 2 && said.contains(says) && said.contains("nothing was run"), "{says}: {code} {said}");
+        assert!(!folder.path().join("t.csv").exists(), "{says}");
+    }
     for (line, says) in [("G0 Z1", "p.nc:2: Z is moved"), ("G18 G2 X1 I1 F100", "p.nc:2: an arc of this plane moves Z")]
     {
         fs::write(folder.path().join("p.nc"), format!("G21\n{line}\n")).unwrap();

@@ -11,7 +11,7 @@ mod join;
 mod pairs;
 
 use crate::fault::Fault;
-use crate::shape::{Paint, Shape};
+use crate::shape::{Paint, Shape, caseless};
 use pairs::{Group, Groups};
 use std::collections::{BTreeMap, HashMap};
 
@@ -21,11 +21,14 @@ const SHAPES: usize = 1_000_000;
 const DEPTH: usize = 16;
 
 /// A layer of the drawing.
-#[derive(Debug, Clone, Default)]
-struct LayerRow {
+#[derive(Debug, Clone)]
+struct LayerRow<'a> {
+    /// As it is written; names have no case.
+    name: &'a str,
     colour: i16,
     true_colour: Option<u32>,
-    hidden: bool,
+    /// Why nothing of it is marked.
+    unmarked: Option<&'static str>,
 }
 
 /// An entity: its groups, those of its vertices too.
@@ -64,7 +67,8 @@ pub fn read(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
 struct Drawing<'a> {
     /// mm of a unit.
     mm: f64,
-    layers: HashMap<&'a str, LayerRow>,
+    /// By their names without case.
+    layers: HashMap<String, Vec<LayerRow<'a>>>,
     blocks: HashMap<&'a str, Block<'a>>,
     entities: Vec<Entity<'a>>,
     notes: Vec<String>,
@@ -125,9 +129,16 @@ impl<'a> Drawing<'a> {
             if row.kind == "LAYER" {
                 let name = row.text(2).unwrap_or("0");
                 let colour = row.whole(62)?.unwrap_or(7);
-                let hidden = colour < 0 || row.whole(70)?.unwrap_or(0) & 1 == 1;
+                let is_hidden = colour < 0 || row.whole(70)?.unwrap_or(0) & 1 == 1;
+                let unmarked = match row.whole(290)? {
+                    _ if is_hidden => Some("what is on a layer that is off or frozen is not marked"),
+                    Some(0) => Some("what is on a layer that is not plotted is not marked"),
+                    _ => None,
+                };
                 let true_colour = row.whole(420)?.map(|rgb| rgb as u32);
-                self.layers.insert(name, LayerRow { colour: colour.unsigned_abs() as i16, true_colour, hidden });
+                let colour = colour.unsigned_abs() as i16;
+                let rows = self.layers.entry(caseless(name).collect()).or_default();
+                rows.push(LayerRow { name, colour, true_colour, unmarked });
             }
         }
         Ok(())
@@ -152,6 +163,13 @@ impl<'a> Drawing<'a> {
         }
     }
 
+    /// The layer of this name: of several that differ in case, the one that is written so, else one
+    /// that is not marked.
+    fn layer(&self, name: &str) -> Option<&LayerRow<'a>> {
+        let rows = self.layers.get(&caseless(name).collect::<String>())?;
+        rows.iter().max_by_key(|row| (row.name == name, row.unmarked.is_some()))
+    }
+
     fn pass(&mut self, what: &'static str) {
         *self.passed_over.entry(what).or_insert(0) += 1;
     }
@@ -166,9 +184,12 @@ impl<'a> Drawing<'a> {
         shapes: &mut Vec<Shape>,
     ) -> Result<(), Fault> {
         for entity in entities {
-            let layer = self.layers.get(entity.text(8).unwrap_or("0")).cloned().unwrap_or_default();
-            if layer.hidden || entity.whole(60)? == Some(1) {
-                self.pass("what is on a layer that is off or frozen is not marked");
+            if let Some(why) = self.layer(entity.text(8).unwrap_or("0")).and_then(|layer| layer.unmarked) {
+                self.pass(why);
+                continue;
+            }
+            if entity.whole(60)? == Some(1) {
+                self.pass("what is invisible is not marked");
                 continue;
             }
             if entity.whole(67)? == Some(1) {
@@ -216,7 +237,7 @@ impl<'a> Drawing<'a> {
         // In a block, layer 0 is that of the block.
         let (name, by_layer) = match by_block {
             Some(paint) if own == "0" => (paint.layer.clone().unwrap_or_default(), None),
-            _ => (own.to_owned(), self.layers.get(own)),
+            _ => (own.to_owned(), self.layer(own)),
         };
         let index = entity.whole(62)?.unwrap_or(256) as i16;
         let true_colour = entity.whole(420)?.map(|rgb| rgb as u32);

@@ -3,7 +3,7 @@
 //! In: shapes, the layers of the machine file. Out: the shapes of each layer that marks something,
 //! in the order in which layers run; the layers that take nothing. Fails with the strokes that have
 //! no layer.
-use crate::shape::{Paint, Shape};
+use crate::shape::{Paint, Shape, caseless};
 use machine::{Colour, Layer, Machine};
 use std::collections::BTreeMap;
 
@@ -67,7 +67,8 @@ fn takes(layer: &Layer, paint: &Paint) -> bool {
         Some(Colour::Rgb(rgb)) => paint.colour == rgb,
         Some(Colour::Index(index)) => paint.index == Some(index),
     };
-    let layer = layer.drawing_layer.as_ref().is_none_or(|named| paint.layer.as_ref() == Some(named));
+    let is_named = |named: &String| paint.layer.as_ref().is_some_and(|own| caseless(own).eq(caseless(named)));
+    let layer = layer.drawing_layer.as_ref().is_none_or(is_named);
     colour && layer
 }
 

@@ -54,6 +54,21 @@ pub struct Paint {
     pub layer: Option<String>,
 }
 
+/// A name of a layer without its case, which AutoCAD's names do not have.
+pub fn caseless(name: &str) -> impl Iterator<Item = char> + '_ {
+    name.chars().flat_map(char::to_lowercase)
+}
+
+impl Paint {
+    /// Whether a stroke of `other` looks like one of this.
+    pub fn is_like(&self, other: &Paint) -> bool {
+        let named = |paint: &Paint| paint.layer.as_deref().map(|name| caseless(name).collect::<String>());
+        self.colour == other.colour
+            && self.index == other.index
+            && (self.layer == other.layer || named(self) == named(other))
+    }
+}
+
 /// See the module text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {

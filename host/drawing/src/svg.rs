@@ -4,17 +4,19 @@
 //! the page, and notes. `usvg` resolves styles, transforms, `use`, units and the viewBox; its
 //! coordinates have 24 bits. `check` refuses what it would pass over in silence. Fails with a line,
 //! or an id, and the reason.
+mod causes;
 mod check;
 mod clip;
 mod dashes;
 mod places;
+mod uses;
 mod warnings;
 
 use crate::fault::Fault;
 use crate::round;
 use crate::shape::{Paint, Piece, Point, Shape, add, minus, scaled, size};
 use kurbo::PathEl;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use usvg::roxmltree::{self, Document, ParsingOptions};
 use usvg::{Group, Node, Transform, Tree};
 
@@ -54,6 +56,7 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
         Fault::at(line, format!("this is no whole SVG: {}", bare(&error.to_string())))
     })?;
     check::check(&document)?;
+    let unshown = uses::check(&document)?;
     // The same with a name for each shape, so that it is found again in the file.
     let named = places::named(&document);
     let document =
@@ -61,7 +64,10 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     let (tree, warnings) = warnings::during(|| Tree::from_xmltree(&document, &options()));
     let tree = tree.map_err(|error| {
         Fault::whole(match error {
-            usvg::Error::InvalidSize => "its width, height or viewBox is missing, 0 or too large".to_owned(),
+            usvg::Error::InvalidSize => {
+                let line = document.text_pos_at(document.root_element().range().start).row;
+                return Fault::at(line, "its width, height or viewBox is missing, 0 or too large");
+            }
             usvg::Error::ElementsLimitReached | usvg::Error::ParsingFailed(_) => {
                 "it has more than 1,000,000 elements, or `use` makes so many of it, or they are nested more than 1,000 deep"
                     .to_owned()
@@ -71,29 +77,43 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     })?;
     let (skipped, wrong): (Vec<_>, Vec<_>) = warnings.into_iter().partition(|text| text.ends_with("Skipped."));
     if let Some(wrong) = wrong.first() {
-        return Err(Fault::whole(wrong.clone()));
+        return Err(causes::fault(&document, wrong));
     }
     let (width, height) = (f64::from(tree.size().width()), f64::from(tree.size().height()));
     let foreign_dashes = check::foreign_dashes(&document);
-    let mut found = Found { width, height, foreign_dashes, ..Found::default() };
-    found.group(tree.root())?;
-    let mut notes: Vec<String> = skipped;
-    notes.extend(size_note(document.root_element()));
+    let without_context = check::strokes_without_context(&document);
+    let mut found = Found { width, height, foreign_dashes, without_context, ..Found::default() };
+    found.group(tree.root(), "")?;
+    let mut notes: Vec<String> = skipped.iter().map(|text| causes::readable(text)).collect();
+    notes.extend(unshown);
+    notes.extend(size_note(document.root_element(), [width, height]));
     notes.extend(check::thin(&document));
     notes.extend(found.beyond_note());
+    if !found.without_context.is_empty() {
+        let count = found.without_context.len();
+        notes.push(format!("context-stroke and context-fill are no stroke outside of a marker or a `use` ({count})"));
+    }
     notes.extend(found.passed_over.iter().map(|(what, count)| format!("{what} ({count})")));
     Ok((found.shapes, notes))
 }
 
-/// A page that does not say how large it is in the world.
-fn size_note(root: roxmltree::Node<'_, '_>) -> Option<String> {
-    let has_unit = |key: &str| {
+/// A page that does not say how large it is in the world; its size is in px. A viewBox says one of
+/// both sizes where the other is given.
+fn size_note(root: roxmltree::Node<'_, '_>, size: [f64; 2]) -> Option<String> {
+    let [width, height] = ["width", "height"].map(|key| {
         let unit = |text: &str| text.trim().ends_with(|last: char| last.is_ascii_alphabetic());
-        root.attribute(key).is_some_and(unit)
+        root.attribute(key).map(unit)
+    });
+    let is_said = match (width, height) {
+        (Some(width), Some(height)) => width && height,
+        (one, other) => one.or(other).is_some_and(|has_unit| has_unit) && root.has_attribute("viewBox"),
     };
-    (!has_unit("width") || !has_unit("height")).then(|| {
-        "the page has no width and height with a unit (as width=\"100mm\"): 96 units of it are an inch, 25.4 mm"
-            .to_owned()
+    let [width, height] = size.map(|px| px * PX);
+    (!is_said).then(|| {
+        format!(
+            "the page has no width and height with a unit (as width=\"100mm\"): 96 px are an inch, which makes it \
+             {width:.3} mm wide and {height:.3} mm high"
+        )
     })
 }
 
@@ -122,6 +142,8 @@ struct Found {
     beyond: (usize, String),
     /// Shapes whose dashes have other units, and what says so.
     foreign_dashes: HashMap<String, &'static str>,
+    /// Shapes whose stroke is that of what is around them, which has none.
+    without_context: HashSet<String>,
     /// Dashes so far, at most.
     dashes: f64,
 }
@@ -173,31 +195,41 @@ impl Found {
         *self.passed_over.entry(what).or_insert(0) += 1;
     }
 
-    fn group(&mut self, group: &Group) -> Result<(), Fault> {
+    /// `around` is the place of the nearest element around it that has one.
+    fn group(&mut self, group: &Group, around: &str) -> Result<(), Fault> {
         if group.opacity().get() == 0.0 {
             self.pass("what is fully transparent is not marked");
             return Ok(());
         }
-        let name = if group.id().is_empty() { String::new() } else { format!(" `{}`", group.id()) };
+        let place = match (group.id(), group.children()) {
+            // What is around one shape has the name of that.
+            ("", [Node::Path(path)]) => shape_place(path.id(), around),
+            ("", _) => around.to_owned(),
+            (id, _) => places::place(id),
+        };
+        let name = match &place[..] {
+            "" => "a group",
+            _ if group.id().is_empty() || !place.starts_with('`') => &place,
+            _ => &format!("the group {place}"),
+        };
         if group.mask().is_some() {
-            return Err(Fault::whole(format!(
-                "the group{name} has a mask, which is not supported: apply it, or remove it"
-            )));
+            return Err(Fault::whole(format!("{name} has a mask, which is not supported: apply it, or remove it")));
         }
         if let Some(clip) = group.clip_path()
             && !clip::covers(clip, group)
         {
             return Err(Fault::whole(format!(
-                "the group{name} is cut by a clip path, which is not supported: cut the shapes, or remove it"
+                "{name} is cut by a clip path, which is not supported: cut the shapes, or remove it"
             )));
         }
         if !group.filters().is_empty() {
             self.pass("filters change no marks");
         }
+        let around = if group.id().is_empty() { around } else { &place };
         for node in group.children() {
             match node {
-                Node::Group(group) => self.group(group)?,
-                Node::Path(path) => self.path(path)?,
+                Node::Group(group) => self.group(group, around)?,
+                Node::Path(path) => self.path(path, around)?,
                 Node::Image(_) => return Err(Fault::whole("an image cannot be marked: trace it, or remove it")),
                 Node::Text(_) => return Err(Fault::whole("text cannot be marked: make paths of it")),
             }
@@ -205,15 +237,19 @@ impl Found {
         Ok(())
     }
 
-    fn path(&mut self, path: &usvg::Path) -> Result<(), Fault> {
-        let place = places::place(path.id());
+    fn path(&mut self, path: &usvg::Path, around: &str) -> Result<(), Fault> {
+        let place = shape_place(path.id(), around);
         let Some(stroke) = path.stroke() else {
-            if path.fill().is_some() {
+            if path.fill().is_some() && !self.without_context.contains(path.id()) {
                 self.pass("shapes with a fill and no stroke are not marked");
             }
             return Ok(());
         };
-        if !path.is_visible() || stroke.opacity().get() == 0.0 {
+        if !path.is_visible() {
+            self.pass("what is hidden by its visibility is not marked");
+            return Ok(());
+        }
+        if stroke.opacity().get() == 0.0 {
             self.pass("what is fully transparent is not marked");
             return Ok(());
         }
@@ -329,6 +365,15 @@ impl Found {
         if !shape.pieces.is_empty() {
             self.shapes.push(shape);
         }
+    }
+}
+
+/// What a person calls a shape: what `use` or a marker shows has no id.
+fn shape_place(id: &str, around: &str) -> String {
+    match around {
+        _ if !id.is_empty() => places::place(id),
+        "" => places::place(""),
+        around => format!("a shape in {around}"),
     }
 }
 

@@ -56,6 +56,11 @@ pub fn unkept(name: &str, error: &io::Error) -> String {
     format!("{name}: the job cannot be kept: {error}; nothing was run")
 }
 
+/// Whether a file that begins so is UTF-16: by its byte order mark, or by a letter of two bytes.
+fn is_utf16(row: &[u8]) -> bool {
+    matches!(row, [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [b'\t'..=b'~', 0, ..] | [0, b'\t'..=b'~', ..])
+}
+
 /// Runs a program; the job goes to `to`, but for the end of it, which the writer has.
 pub fn run(
     name: &str,
@@ -75,6 +80,9 @@ pub fn run(
         let count = program.read_until(b'\n', &mut row);
         if count.map_err(|error| format!("{name}: the program cannot be read: {error}"))? == 0 {
             break;
+        }
+        if number == 0 && is_utf16(&row) {
+            return Err(format!("{name}: the file is UTF-16 text; save it as UTF-8; nothing was run"));
         }
         if writer.size() >= BLOCK_BYTES {
             to.write_all(writer.taken().as_bytes()).map_err(|error| unkept(name, &error))?;

@@ -13,6 +13,15 @@ pub struct Word {
     pub number: i128,
 }
 
+/// What is wrong with a text that begins with a letter beyond ASCII.
+fn foreign(text: &str) -> String {
+    match text.chars().next() {
+        // What was no text has become this letter.
+        None | Some('\u{fffd}') => "what is not UTF-8 text is no G-code; save the file as UTF-8".to_owned(),
+        Some(letter) => format!("`{}` is no G-code", letter.escape_debug()),
+    }
+}
+
 /// Reads a line; `bare` and `found` are overwritten.
 ///
 /// # Errors
@@ -21,7 +30,7 @@ pub fn read(line: &str, bare: &mut Vec<u8>, found: &mut Vec<Word>) -> Result<(),
     bare.clear();
     found.clear();
     let mut comment = false;
-    for byte in line.bytes() {
+    for (at, byte) in line.bytes().enumerate() {
         match byte {
             _ if comment => comment = byte != b')',
             b'(' => comment = true,
@@ -29,7 +38,8 @@ pub fn read(line: &str, bare: &mut Vec<u8>, found: &mut Vec<Word>) -> Result<(),
             b';' => break,
             b' ' | b'\t' | b'\r' => {}
             0x20..=0x7e => bare.push(byte.to_ascii_uppercase()),
-            _ => return Err(format!("the byte {byte:#04x} is no G-code; the file may be no text")),
+            0..=0x7f => return Err(format!("the byte {byte:#04x} is no G-code; the file may be no text")),
+            _ => return Err(foreign(line.get(at..).unwrap_or(""))),
         }
     }
     if comment {
@@ -137,7 +147,9 @@ mod tests {
             ("X1 Y1O", "`Y1O`: O words are not supported"),
             ("X1 (open", "not closed"),
             ("X1) Y2", "without `(`"),
-            ("X1\u{7f}", "0x7f"),
+            ("X1\u{7f}", "the byte 0x7f is no G-code"),
+            ("X1 \u{e9}", "`\u{e9}` is no G-code"),
+            ("X1 \u{fffd}", "what is not UTF-8 text is no G-code"),
             ("12", "is no word"),
         ] {
             let error = words(line).unwrap_err();

@@ -297,6 +297,18 @@ impl Machine {
 }
 
 /// The machine of a file whose lasers are read; the first one is chosen.
+/// Whether it names a link, by its form.
+fn is_link(text: &str) -> bool {
+    match text.split_once(':') {
+        None => text == "qemu",
+        Some(("tcp", address)) => address
+            .rsplit_once(':')
+            .is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0)),
+        Some(("serial", path)) => !path.is_empty(),
+        Some(_) => false,
+    }
+}
+
 fn checked(file: &File, lasers: Vec<Laser>) -> Result<Machine, Fault> {
     if let Some(keys) = &file.axes.a {
         let message = "is a fourth axis; G-code and drawings move X, Y and Z only: remove this table".to_owned();
@@ -318,8 +330,7 @@ fn checked(file: &File, lasers: Vec<Laser>) -> Result<Machine, Fault> {
         Some(board) if board.get_ref() == "virtual" => None,
         Some(link) => {
             let text = link.get_ref();
-            let known = text == "qemu" || text.starts_with("tcp:") || text.starts_with("serial:");
-            if !known {
+            if !is_link(text) {
                 return Err((
                     link.span(),
                     format!("is \"{text}\"; it is virtual, tcp:HOST:PORT, serial:PATH[:BAUD] or qemu"),

@@ -30,8 +30,16 @@ fn limits_are_those_of_the_page() {
         ("family", &["\"gus\"", "\"lsr\""], &["\"gts\"", "3"], "family cannot be read"),
         (
             "link.board",
-            &["\"qemu\"", "\"virtual\"", "\"tcp:a:1\""],
-            &["\"usb\""],
+            &["\"qemu\"", "\"virtual\"", "\"tcp:a:1\"", "\"tcp:[::1]:65535\"", "\"serial:/dev/ttyACM0\""],
+            &[
+                "\"usb\"",
+                "\"tcp:host\"",
+                "\"tcp:host:\"",
+                "\"tcp::5000\"",
+                "\"tcp:a:0\"",
+                "\"tcp:a:65536\"",
+                "\"serial:\"",
+            ],
             "it is virtual, tcp:HOST:PORT, serial:PATH[:BAUD] or qemu",
         ),
         (

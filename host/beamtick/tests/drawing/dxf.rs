@@ -16,6 +16,90 @@ fn a_dxf_whose_shapes_have_heights_says_that_they_are_flat_here() {
     }
 }
 
+/// A DXF with layers (name, other groups) and entities.
+fn dxf(layers: &[(&str, &str)], entities: &str) -> String {
+    let rows: String = layers.iter().map(|(name, groups)| format!("0\nLAYER\n2\n{name}\n{groups}")).collect();
+    format!(
+        "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n{rows}0\nENDTAB\n\
+         0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n"
+    )
+}
+
+/// AutoCAD's names have no case: of layers that are off, frozen or not plotted, of those of the
+/// machine file, and of those whose ends meet.
+#[test]
+fn names_of_layers_have_no_case() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let line =
+        |layer: &str, y: u32, to: u32| format!("0\nLINE\n8\n{layer}\n62\n1\n10\n0\n20\n{y}\n11\n{to}\n21\n{y}\n");
+    let off = "on a layer that is off or frozen is not marked (1)";
+    let unplotted = "what is on a layer that is not plotted is not marked (1)";
+    for (layers, layer, says) in [
+        (&[("A", "70\n1\n")][..], "a", off),
+        (&[("a", "62\n-7\n")], "A", off),
+        (&[("\u{c4}u\u{df}en", "70\n1\n")], "\u{e4}u\u{df}EN", off),
+        (&[("A", "290\n0\n")], "A", unplotted),
+        (&[("A", "290\n0\n")], "a", unplotted),
+        // A program whose names have a case.
+        (&[("A", ""), ("a", "70\n1\n")], "a", off),
+        (&[("Aa", ""), ("aA", "70\n1\n")], "aa", off),
+    ] {
+        let drawing = dxf(layers, &(line(layer, 5, 9) + &line("B", 0, 3)));
+        fs::write(folder.path().join("d.dxf"), drawing).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "d.dxf", "--machine", "m.toml"]);
+        assert!(code == 0 && said.contains("marks of 3.000 mm"), "{layers:?} {layer}: {said}");
+        assert!(said.contains(says), "{layers:?} {layer}: {said}");
+    }
+    for (layers, layer) in [(&[("A", "290\n1\n")][..], "a"), (&[("A", "70\n1\n"), ("a", "")], "a")] {
+        fs::write(folder.path().join("d.dxf"), dxf(layers, &line(layer, 5, 9))).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "d.dxf", "--machine", "m.toml"]);
+        assert!(code == 0 && said.contains("marks of 9.000 mm") && !said.contains("not marked"), "{layers:?}: {said}");
+    }
+    // Of the machine file, and of ends that meet.
+    let corner = "0\nLINE\n8\nCut\n62\n1\n10\n9\n20\n5\n11\n9\n21\n0\n";
+    fs::write(folder.path().join("d.dxf"), dxf(&[], &(line("cUT", 5, 9) + corner))).unwrap();
+    let only = ["--layer", "layer=CUT,power=5,speed=900"];
+    let words = [&["import", "d.dxf", "--machine", "m.toml", "-o", "d.gts"][..], &only].concat();
+    let (said, code) = beamtick(folder.path(), &words);
+    assert_eq!(code, 0, "{said}");
+    let job = fs::read_to_string(folder.path().join("d.gts")).unwrap();
+    assert_eq!(job.matches("BufLaserOn").count(), 1, "one shape\n{job}");
+    // What is invisible is not on a layer that is off.
+    fs::write(folder.path().join("d.dxf"), dxf(&[], &(line("A", 5, 9) + &line("A\n60\n1", 0, 3)))).unwrap();
+    let (said, code) = beamtick(folder.path(), &["check", "d.dxf", "--machine", "m.toml"]);
+    assert!(code == 0 && said.contains("what is invisible is not marked (1)"), "{said}");
+}
+
+/// Bulges of a rounding, and of arcs so flat that their centres are kilometres away.
+#[test]
+fn flat_arcs_of_a_dxf_are_marked_where_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    for (bulge, chord, sagitta) in [
+        ("1e-7", 10.0, 0.0),
+        ("-1e-7", 10.0, 0.0),
+        ("5e-324", 10.0, 0.0),
+        ("1e-5", 10.0, 0.0),
+        ("4e-4", 200.0, 0.04),
+        ("-5e-5", 350.0, -0.00875),
+    ] {
+        let entities = format!("0\nLWPOLYLINE\n62\n1\n90\n2\n70\n0\n10\n0\n20\n1\n42\n{bulge}\n10\n{chord}\n20\n1\n");
+        fs::write(folder.path().join("d.dxf"), dxf(&[], &entities)).unwrap();
+        let words = ["sim", "d.dxf", "--machine", "m.toml", "--tick-us", "100", "--trace", "t.csv", "--strict"];
+        let (said, code) = beamtick(folder.path(), &words);
+        assert_eq!(code, 0, "{bulge}: {said}");
+        let count = 4000;
+        let points = (0..=count).map(|k| {
+            let t = f64::from(k) / f64::from(count);
+            [chord * t, 1.0 - 4.0 * sagitta * t * (1.0 - t)]
+        });
+        let what = format!("the bulge {bulge}");
+        let mark = Mark { points: points.collect(), red: true, what, corners: Vec::new() };
+        differs(&[mark], &rows(&folder.path().join("t.csv"))).unwrap_or_else(|why| panic!("{bulge}: {why}"));
+    }
+}
+
 /// Lines, arcs, circles, polylines with bulges, an ellipse, splines and a block, written by another
 /// program, which also evaluated their points (ezdxf; those of circles by sine and cosine).
 #[test]

@@ -71,7 +71,7 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
             page(&format!(
                 "<defs><path id=\"p\" pathLength=\"10\" d=\"M0 0H50\" {stroke}/></defs><use href=\"#p\" stroke-dasharray=\"1\"/>"
             )),
-            "the dashes of a shape without an id have other units by its pathLength",
+            "the dashes of a shape in the use of line 2 have other units by its pathLength",
         ),
         (
             page(&format!(
@@ -105,7 +105,10 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
             "more than 1,000,000 elements",
         ),
         (page(&format!("{}{LINE}{}", "<g>".repeat(10_000), "</g>".repeat(10_000))), "nested more than 1,000 deep"),
-        ("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"0\" height=\"5\"/>".to_owned(), "width, height or viewBox"),
+        (
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"0\" height=\"5\"/>".to_owned(),
+            "d.svg:1: its width, height or viewBox",
+        ),
     ];
     for (svg, says) in &cases {
         let begin = std::time::Instant::now();

@@ -50,6 +50,9 @@ impl Map {
             Piece::Arc(centre, sweep, end) => {
                 let Map([a, b, c, d, ..]) = self;
                 let (one, other) = (a.hypot(*b), c.hypot(*d));
+                if let Some(flat) = flat(start, sweep, end, FLAT_RADIUS_MM / one.max(other)) {
+                    return self.piece(start, &flat);
+                }
                 let straight = (a * c + b * d).abs() <= 1e-9 * one * other;
                 if straight && (one - other).abs() <= 1e-9 * one {
                     let sweep = if a * d - b * c < 0.0 { -sweep } else { sweep };
@@ -61,6 +64,25 @@ impl Map {
             }
         }
     }
+}
+
+/// Arcs of a greater radius are cubic curves: their centres are too far away to compute with.
+const FLAT_RADIUS_MM: f64 = 1e5;
+/// Up to this angle a cubic curve is within 2·10⁻¹¹ radii of the arc: 0.0006 mm at the longest
+/// chord of the plane in which something is computed, 2,800 m.
+const FLAT_ANGLE_RAD: f64 = 0.1;
+
+/// The cubic curve of a flat arc whose radius is above `radius`. The bulge alone, not the centre,
+/// says where its control points are: a third of the chord along the tangents.
+fn flat(start: Point, sweep: f64, end: Point, radius: f64) -> Option<Piece> {
+    let chord = minus(end, start);
+    if sweep.abs() > FLAT_ANGLE_RAD || size(chord) <= 2.0 * radius * (sweep.abs() / 2.0).sin() {
+        return None;
+    }
+    let bulge = (sweep / 4.0).tan();
+    let along = scaled(chord, (1.0 - bulge * bulge) / 3.0);
+    let aside = scaled([chord[1], -chord[0]], 2.0 * bulge / 3.0);
+    Some(Piece::Cubic(add(start, add(along, aside)), add(minus(end, along), aside), end))
 }
 
 /// The map of what is in a block that is inserted.

@@ -27,7 +27,7 @@ pub fn join(shapes: Vec<Shape>) -> Vec<Shape> {
     let other = |shapes: &[Option<Shape>], here: Point, number: usize, paint: &crate::shape::Paint| {
         let [a, b] = ends.get(&cell(here))?[..] else { return None };
         let (next, at_end) = if a.0 == number { b } else { a };
-        let fits = shapes.get(next)?.as_ref().is_some_and(|shape| shape.paint == *paint);
+        let fits = shapes.get(next)?.as_ref().is_some_and(|shape| shape.paint.is_like(paint));
         (next != number && fits).then_some((next, at_end))
     };
     let mut shapes: Vec<Option<Shape>> = shapes.into_iter().map(Some).collect();

@@ -3,7 +3,7 @@
 //!
 //! In: the elements of a file. Out: nothing, or the line and the reason.
 use crate::fault::Fault;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 use svgtypes::{Length, LengthListParser, NumberListParser, PathParser, PathSegment, Transform};
 use usvg::roxmltree::{Document, Node};
@@ -104,12 +104,12 @@ pub fn check(document: &Document<'_>) -> Result<(), Fault> {
 }
 
 /// A text of the file in a message.
-fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     text.trim().chars().take(40).collect()
 }
 
 /// A property of an element: its style, else its attribute.
-fn property<'a>(node: Node<'a, '_>, key: &str) -> Option<&'a str> {
+pub fn property<'a>(node: Node<'a, '_>, key: &str) -> Option<&'a str> {
     let rules = node.attribute("style").unwrap_or("").split(';');
     let mut styles = rules.filter_map(|rule| rule.split_once(':')).filter(|(name, _)| name.trim() == key);
     let value = styles.next_back().map(|(_, value)| value).or(node.attribute(key))?;
@@ -140,8 +140,26 @@ pub fn thin(document: &Document<'_>) -> Option<String> {
     (count > 0).then(|| format!("a stroke-width of 0 is no stroke, and is not marked: give it a width ({count})"))
 }
 
+/// Ids of shapes whose stroke is that of a marker's path or of a `use`, and that are in neither.
+pub fn strokes_without_context(document: &Document<'_>) -> HashSet<String> {
+    if !document.input_text().contains("context-") {
+        return HashSet::new();
+    }
+    let is_hidden_by_any = |node: Node<'_, '_>| node.ancestors().any(|around| is_hidden(around, false));
+    let is_of_context = |node: &Node<'_, '_>| {
+        let strokes = node.ancestors().filter_map(|around| property(around, "stroke"));
+        strokes.into_iter().find(|value| *value != "inherit").is_some_and(|value| value.starts_with("context-"))
+    };
+    let shapes = document.root_element().descendants().filter(|node| SHAPES.contains(&node.tag_name().name()));
+    shapes
+        .filter(is_of_context)
+        .filter(|node| !is_hidden_by_any(*node))
+        .filter_map(|node| Some(node.attribute("id")?.to_owned()))
+        .collect()
+}
+
 /// Whether nothing of an element is drawn.
-fn is_hidden(node: Node<'_, '_>, used: bool) -> bool {
+pub fn is_hidden(node: Node<'_, '_>, used: bool) -> bool {
     let style: String = node.attribute("style").unwrap_or("").chars().filter(|c| !c.is_whitespace()).collect();
     let stored = ["defs", "symbol"].contains(&node.tag_name().name()) && !used;
     let never = ["clipPath", "mask", "pattern", "marker", "metadata", "linearGradient", "radialGradient", "filter"];

@@ -1,4 +1,5 @@
-//! Names of shapes that have no `id`, so that a message can say where they are in the file.
+//! Names of shapes and groups that have no `id`, so that a message can say where in the file they
+//! are.
 //!
 //! In: the elements of a file. Out: its text with an `id` for each such shape, which says element
 //! and line; what a person calls it. Lines stay what they are. Fails never.
@@ -6,9 +7,12 @@ use super::check::{SHAPES, SVG};
 use usvg::roxmltree::Document;
 
 /// What begins the ids that are made here.
-const MADE: &str = "beamtick:";
+pub const MADE: &str = "beamtick:";
 
-/// The text of a file in which every shape has an id.
+/// Elements that hold shapes: a clip path or a mask of them is named by them.
+const GROUPS: [&str; 4] = ["g", "a", "svg", "use"];
+
+/// The text of a file in which every shape, and what holds shapes, has an id.
 pub fn named(document: &Document<'_>) -> String {
     let text = document.input_text();
     let mut named = String::with_capacity(text.len() + text.len() / 8);
@@ -17,7 +21,7 @@ pub fn named(document: &Document<'_>) -> String {
     let root = document.root_element().range().start;
     for node in document.root_element().descendants() {
         let tag = node.tag_name();
-        let is_shape = tag.namespace() == Some(SVG) && SHAPES.contains(&tag.name());
+        let is_shape = tag.namespace() == Some(SVG) && (SHAPES.contains(&tag.name()) || GROUPS.contains(&tag.name()));
         if !is_shape || node.has_attribute("id") {
             continue;
         }
