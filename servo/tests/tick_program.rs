@@ -207,13 +207,19 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
         );
         bench.now(TickCommand::ProgramRun);
         let step = every as u64 * 250 * US;
-        let mut rows = vec![];
+        let (mut rows, mut names) = (vec![], vec![]);
         for _ in 0..12_500 {
             let view = bench.tick();
             while let Some(sample) = bench.sample() {
-                rows.push((sample, view.now.0 - view.script_zero.0));
+                match sample {
+                    Sample { row, of: Traced::Zero { axis, by } } => names.push((row, axis.index(), by, rows.len())),
+                    _ => rows.push((sample, view.now.0 - view.script_zero.0)),
+                }
             }
         }
+        // What the position is called at row 0, and then a pulse more before the next row; after the
+        // other axis of row 0, as axes are in their order.
+        assert_eq!(names, [(0, 3, Pos::pulses(9), 1), (1, 3, Pos::pulses(1), 2)]);
         // Up to and including the tick at which the trace's end was called.
         assert_eq!(rows.len() as u64, 2 * (3100 * MS / step + 1));
         for (n, pair) in rows.chunks(2).enumerate() {
