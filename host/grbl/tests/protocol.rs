@@ -1,11 +1,7 @@
 //! The port in front of a virtual controller, word by word, with a sender in this process.
 mod common;
 
-use common::{MACHINE, Rig};
-
-fn near(a: f64, b: f64) -> bool {
-    (a - b).abs() < 0.0051
-}
+use common::{MACHINE, Rig, near};
 
 #[test]
 fn every_line_end_is_answered() {

@@ -1,12 +1,8 @@
 //! Holds, resets, cut connections and alarms, in front of a virtual controller.
 mod common;
 
-use common::{MACHINE, Rig};
+use common::{MACHINE, Rig, near};
 use std::time::Duration;
-
-fn near(a: f64, b: f64) -> bool {
-    (a - b).abs() < 0.0051
-}
 
 #[test]
 fn a_hold_is_dark_on_the_path_and_goes_on_with_its_light() {

@@ -36,6 +36,11 @@ mist = 1
 flood = 2
 ";
 
+/// Whether a position is this one, as far as a report shows it: half a pulse, and half a µm.
+pub fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() < 0.0051
+}
+
 /// How long anything may take here.
 const WAIT_MAX: Duration = Duration::from_secs(60);
 
