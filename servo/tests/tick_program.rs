@@ -217,8 +217,8 @@ fn trace_rows_count_from_the_tick_at_which_the_program_begins() {
                 }
             }
         }
-        // What the position is called at row 0, and then a pulse more before the next row; after the
-        // other axis of row 0, as axes are in their order.
+        // What the position is called at row 0, and then a pulse more before the next row. Each
+        // follows the other axis of its row, as axes are in their order.
         assert_eq!(names, [(0, 3, Pos::pulses(9), 1), (1, 3, Pos::pulses(1), 2)]);
         // Up to and including the tick at which the trace's end was called.
         assert_eq!(rows.len() as u64, 2 * (3100 * MS / step + 1));
