@@ -5,11 +5,14 @@
 //! reason, before anything moves.
 use crate::Failure;
 use crate::command_line::{Drawing, Import};
+use crate::imported::ImportedText;
 use crate::input::{self, Role};
 use crate::output::Output;
-use crate::script::{self, Script};
+use crate::parts::{Broken, Compiled};
+use crate::script::Script;
 use crate::{json, machine_file, output, record};
 use ::drawing::Format;
+use job::Folder;
 use machine::Machine;
 use std::io::{self, BufRead, Read, Write};
 use std::path::{Path, PathBuf};
@@ -115,6 +118,8 @@ fn is_block(block: &str) -> bool {
 pub struct Found {
     /// The text of the job.
     pub script: Script,
+    /// What that compiles to, if it is compiled already.
+    pub compiled: Option<Result<Compiled, Broken>>,
     /// The machine file.
     pub file: PathBuf,
     /// The machine's axes, X first.
@@ -164,12 +169,14 @@ pub fn job(path: &Path, drawing: &Drawing, plot: Option<&Path>, timed: bool) -> 
     let millimetres = machine_file::millimetres(&machine);
     let named = |laser: machine::Laser| laser.name.map(|name| (laser.channel, name));
     let lasers = machine.lasers.into_iter().filter_map(named).collect();
-    Ok(Found { script: found.script, file: file.clone(), millimetres, lasers, extent: found.extent })
+    let Made { script, compiled, extent, .. } = found;
+    Ok(Found { script, compiled, file: file.clone(), millimetres, lasers, extent })
 }
 
 /// What a program or a drawing says.
 struct Made {
     script: Script,
+    compiled: Option<Result<Compiled, Broken>>,
     notes: Vec<String>,
     extent: Extent,
 }
@@ -190,7 +197,7 @@ fn made(
             let bytes = input::read(path, Role::Job).map_err(unread)?;
             let Imported { job, notes, extent } =
                 ::drawing::import(name, &bytes, format, machine, ::drawing::Options { at, untimed: !timed }, watch)?;
-            Ok(Made { script: Script::Whole(job), notes, extent })
+            Ok(Made { script: Script::Whole(job), compiled: None, notes, extent })
         }
         _ if !drawing.layers.is_empty() || drawing.at.is_some() => {
             Err(format!("{name}: --layer and --at are for drawings; a program says both itself"))
@@ -198,10 +205,11 @@ fn made(
         _ => {
             let options = gcode::Options { pass_stops: drawing.pass_stops, untimed: !timed };
             let mut lines = input::open(path, Role::Job).map_err(unread)?;
-            let mut text = tempfile::spooled_tempfile(script::IN_MEMORY_BYTES);
+            let unkept = |error| format!("{name}: the job cannot be kept: {error}");
+            let mut text = ImportedText::new(Folder::of(path)).map_err(unkept)?;
             let (notes, extent) = gcode::import_to(name, &mut lines, machine, options, watch, &mut text)?;
-            let script = Script::spooled(text).map_err(|error| format!("{name}: the job cannot be kept: {error}"))?;
-            Ok(Made { script, notes, extent })
+            let (script, compiled) = text.finish().map_err(unkept)?;
+            Ok(Made { script, compiled: Some(compiled), notes, extent })
         }
     }
 }

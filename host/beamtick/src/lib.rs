@@ -27,6 +27,7 @@ mod connect;
 mod entries;
 mod grbl_port;
 mod import;
+mod imported;
 mod info;
 mod input;
 mod interrupt;

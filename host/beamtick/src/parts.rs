@@ -4,9 +4,13 @@
 //! Out: what [`job::compile`] makes of the whole. Owns the text that is not compiled yet: at most
 //! some thousand lines. Fails with the diagnostics of a part, or where the text cannot be read.
 use crate::script::Script;
-use job::{Diagnostic, Files, Job, Step};
+use crate::totals::Totals;
+use job::{Diagnostic, Files, Folder, Job, Step};
 use std::collections::VecDeque;
 use std::io::{self, BufRead};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread;
 
 /// Lines that are compiled at first: the set-up is among them.
 const FIRST_LINES: u32 = 20_000;
@@ -18,6 +22,8 @@ const PART_LINES: u32 = 2_000;
 const RUN_CALLS: usize = 64;
 /// Of these, as many are handed over together.
 const TOGETHER_CALLS: usize = 512;
+/// Parts that a thread compiles ahead of those who take them.
+const AHEAD_PARTS: usize = 4;
 
 /// A part of a job.
 pub enum Part {
@@ -43,8 +49,8 @@ pub enum Broken {
 }
 
 /// See the module text.
-pub struct Parts<'s> {
-    reader: Box<dyn BufRead + 's>,
+pub struct Parts<'s, R> {
+    reader: R,
     files: &'s dyn Files,
     /// Whether the steps of calls in a row are made.
     makes_steps: bool,
@@ -75,11 +81,11 @@ struct Run {
     long: bool,
 }
 
-impl<'s> Parts<'s> {
+impl<'s, R: BufRead> Parts<'s, R> {
     /// The parts of a text; `makes_steps`: see [`Part::Calls`].
-    pub fn new(script: &'s Script, files: &'s dyn Files, makes_steps: bool) -> Self {
+    pub fn new(reader: R, files: &'s dyn Files, makes_steps: bool) -> Self {
         Parts {
-            reader: Box::new(script.reader()),
+            reader,
             files,
             makes_steps,
             row: String::new(),
@@ -195,7 +201,21 @@ impl<'s> Parts<'s> {
     }
 }
 
-impl Iterator for Parts<'_> {
+/// The same with their steps, compiled by a thread while those before them run. It ends when nobody
+/// takes them any more.
+pub fn ahead(script: Arc<Script>, folder: Folder) -> Receiver<Result<Part, Broken>> {
+    let (parts, taken) = sync_channel(AHEAD_PARTS);
+    let failed = parts.clone();
+    let compile = move || {
+        let _ = Parts::new(script.reader(), &folder, true).try_for_each(|part| parts.send(part));
+    };
+    if let Err(error) = thread::Builder::new().name("compile".to_owned()).spawn(compile) {
+        let _ = failed.send(Err(Broken::Text(error)));
+    }
+    taken
+}
+
+impl<R: BufRead> Iterator for Parts<'_, R> {
     type Item = Result<Part, Broken>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -218,8 +238,37 @@ fn is_whole(line: &str) -> bool {
     ends && count('{') == count('}') && count('(') == count(')') && !code.contains("/*") && !comment.ends_with('\\')
 }
 
+/// What a job is.
+pub struct Compiled {
+    /// What it does; the steps of one that is compiled in parts are not in it.
+    pub job: Job,
+    /// What its steps are as a whole.
+    pub totals: Totals,
+    /// It is compiled in parts.
+    pub in_parts: bool,
+}
+
+/// Compiles a job part by part.
+pub fn compile(reader: impl BufRead, files: &dyn Files) -> Result<Compiled, Broken> {
+    let mut job = job::compile("", files).map_err(Broken::Job)?;
+    let mut totals = Totals::default();
+    for part in Parts::new(reader, files, false) {
+        match part? {
+            Part::Compiled(part) => {
+                totals.add(&part.steps);
+                add(&mut job, part);
+            }
+            Part::Calls { count, lasers, .. } => {
+                totals.add_calls(count);
+                job.lasers |= lasers;
+            }
+        }
+    }
+    Ok(Compiled { job, totals, in_parts: true })
+}
+
 /// Adds what a part says of the job to what those before it said; its steps are not in it.
-pub fn add(whole: &mut Job, mut part: Job) {
+fn add(whole: &mut Job, mut part: Job) {
     whole.warnings.append(&mut part.warnings);
     whole.axes.extend(part.axes);
     whole.axes.sort_unstable();
@@ -264,7 +313,7 @@ mod tests {
     fn steps(script: &Script, makes_steps: bool) -> (Vec<Step>, usize, Job) {
         let mut whole = job::compile("", &Nowhere).unwrap();
         let (mut steps, mut count) = (Vec::new(), 0);
-        for part in Parts::new(script, &Nowhere, makes_steps) {
+        for part in Parts::new(script.reader(), &Nowhere, makes_steps) {
             let Ok(part) = part else { panic!("it compiles") };
             match part {
                 Part::Compiled(mut job) => {
@@ -301,7 +350,7 @@ mod tests {
         let text = text() + "GT_LnXY(1, 5, 0, 50);\n";
         let Err(expected) = job::compile(&text, &Nowhere) else { panic!("a parameter is missing") };
         let script = Script::kept(Cursor::new(text.into_bytes()));
-        let Some(Err(Broken::Job(found))) = Parts::new(&script, &Nowhere, false).find(Result::is_err) else {
+        let Some(Err(Broken::Job(found))) = Parts::new(script.reader(), &Nowhere, false).find(Result::is_err) else {
             panic!("a parameter is missing")
         };
         assert_eq!(found, expected);

@@ -14,7 +14,7 @@ use tempfile::SpooledTempFile;
 /// A job that an import writes is kept in memory up to so many bytes.
 pub const IN_MEMORY_BYTES: usize = 1 << 20;
 /// Bytes that are read at once.
-const BLOCK_BYTES: usize = 1 << 16;
+pub const BLOCK_BYTES: usize = 1 << 16;
 /// Bytes on each side of a position in which its lines are looked for.
 const AROUND_BYTES: usize = 1 << 12;
 

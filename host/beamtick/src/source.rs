@@ -3,7 +3,7 @@ use crate::Failure;
 use crate::command_line::{Drawing, FamilyName, Settings, TICKS_US};
 use crate::entries::Entries;
 use crate::input::{self, Role};
-use crate::parts::{self, Broken, Part, Parts};
+use crate::parts::{self, Broken, Compiled, Part};
 use crate::script::{self, Script};
 use crate::totals::Totals;
 use crate::{import, json};
@@ -13,6 +13,7 @@ use protocol::command::VersionReply;
 use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, mpsc};
 use trace::Millimetres;
 
 /// The files beside a job, and which of them were read.
@@ -32,7 +33,7 @@ impl Files for Noted {
 pub struct Source {
     /// Its path as the user gave it.
     pub name: String,
-    script: Script,
+    script: Arc<Script>,
     /// What it does; the steps of one that is compiled in parts are not in it.
     pub job: Job,
     /// What its steps are as a whole.
@@ -68,7 +69,8 @@ impl Source {
         let kind = import::kind(path).map_err(|error| unread(&name, &error))?;
         if kind.is_some() {
             let found = import::job(path, drawing, plot, timed)?;
-            let read = Source::read(name.clone(), found.script, vec![path.to_owned(), found.file], path);
+            let files = vec![path.to_owned(), found.file];
+            let read = Source::read(name.clone(), found.script, found.compiled, files, path);
             let mut source = read.map_err(|why| why.failure(&name))?;
             (source.millimetres, source.lasers) = (found.millimetres, found.lasers);
             source.extent = Some(found.extent);
@@ -85,7 +87,7 @@ impl Source {
             .filter(|_| plot.is_none() && !drawing.is_given())
         {
             let script = Script::file(file).map_err(|error| unread(&name, &error))?;
-            match Source::read(name.clone(), script, vec![path.to_owned()], path) {
+            match Source::read(name.clone(), script, None, vec![path.to_owned()], path) {
                 // Somebody wrote into it in another encoding.
                 Err(Unread::Text(error)) if error.kind() == ErrorKind::InvalidData => {}
                 read => return read.map_err(|why| why.failure(&name)),
@@ -117,15 +119,24 @@ impl Source {
         let text = job::text::decode(bytes).map_err(|line| {
             Failure::Input(format!("{name}:{line}: the file is neither UTF-8, UTF-16 nor GBK text; save it as UTF-8"))
         })?;
-        Source::read(name.clone(), Script::Whole(text), read, path).map_err(|why| why.failure(&name))
+        Source::read(name.clone(), Script::Whole(text), None, read, path).map_err(|why| why.failure(&name))
     }
 
-    fn read(name: String, script: Script, read: Vec<PathBuf>, path: &Path) -> Result<Self, Unread> {
+    /// The job that a text is, unless it is compiled already.
+    fn read(
+        name: String,
+        script: Script,
+        compiled: Option<Result<Compiled, Broken>>,
+        read: Vec<PathBuf>,
+        path: &Path,
+    ) -> Result<Self, Unread> {
         let folder = Folder::of(path);
         let files = Noted { folder: folder.clone(), read: RefCell::new(read) };
-        let compiled = compile(&script, &files).and_then(|compiled| match unknown_values(&compiled.job) {
-            wrong if wrong.is_empty() => Ok(compiled),
-            wrong => Err(Broken::Job(wrong)),
+        let compiled = compiled.unwrap_or_else(|| compile(&script, &files)).and_then(|compiled| {
+            match unknown_values(&compiled.job) {
+                wrong if wrong.is_empty() => Ok(compiled),
+                wrong => Err(Broken::Job(wrong)),
+            }
         });
         match compiled {
             Ok(Compiled { job, totals, in_parts }) => {
@@ -134,6 +145,7 @@ impl Source {
                 }
                 let files = files.read.into_inner();
                 let (millimetres, lasers, extent) = (Vec::new(), Vec::new(), None);
+                let script = Arc::new(script);
                 Ok(Source { name, script, job, totals, in_parts, folder, files, millimetres, lasers, extent })
             }
             Err(Broken::Text(error)) => Err(Unread::Text(error)),
@@ -154,7 +166,7 @@ impl Source {
         match self.in_parts {
             false => Steps::Listed(self.job.steps.iter()),
             true => Steps::Parts {
-                parts: Box::new(Parts::new(&self.script, &self.folder, true)),
+                parts: parts::ahead(Arc::clone(&self.script), self.folder.clone()).into_iter(),
                 part: Vec::new().into_iter(),
                 left: self.totals.steps,
             },
@@ -249,7 +261,7 @@ pub enum Steps<'s> {
     /// Those that its text makes.
     Parts {
         /// Parts to come.
-        parts: Box<Parts<'s>>,
+        parts: mpsc::IntoIter<Result<Part, Broken>>,
         /// Steps of the last one.
         part: std::vec::IntoIter<Step>,
         /// Steps to come, as many as there were at first.
@@ -291,19 +303,12 @@ const MANY_LINES: usize = 200_000;
 /// What reaches over the lines of a script: with it, parts are not what the whole is.
 const FAR_REACHING: [&str; 6] = ["/*", "#define", "#pragma continue", "kbhit", "return", "GT_LoadConfig"];
 
-/// What a job is.
-struct Compiled {
-    job: Job,
-    totals: Totals,
-    in_parts: bool,
-}
-
 /// Compiles a job. One that `import` wrote may be of any length: its calls name no variables after
 /// the set-up. So may one that is as plain as that.
 fn compile(script: &Script, files: &Noted) -> Result<Compiled, Broken> {
-    let Script::Whole(text) = script else { return compile_parts(script, files) };
+    let Script::Whole(text) = script else { return parts::compile(script.reader(), files) };
     if text.starts_with(strokes::MARK) {
-        return compile_parts(script, files);
+        return parts::compile(script.reader(), files);
     }
     match job::compile(text, files) {
         Ok(job) => Ok(Compiled { totals: Totals::of(&job.steps), job, in_parts: false }),
@@ -311,29 +316,10 @@ fn compile(script: &Script, files: &Noted) -> Result<Compiled, Broken> {
             let is_plain =
                 text.lines().nth(MANY_LINES).is_some() && !FAR_REACHING.iter().any(|word| text.contains(word));
             // What is wrong with a part is wrong with the whole, which has said what.
-            let parts = is_plain.then(|| compile_parts(script, files));
+            let parts = is_plain.then(|| parts::compile(script.reader(), files));
             parts.and_then(Result::ok).ok_or(Broken::Job(found))
         }
     }
-}
-
-/// Compiles a job part by part.
-fn compile_parts(script: &Script, files: &Noted) -> Result<Compiled, Broken> {
-    let mut job = job::compile("", files).map_err(Broken::Job)?;
-    let mut totals = Totals::default();
-    for part in Parts::new(script, files, false) {
-        match part? {
-            Part::Compiled(part) => {
-                totals.add(&part.steps);
-                parts::add(&mut job, part);
-            }
-            Part::Calls { count, lasers, .. } => {
-                totals.add_calls(count);
-                job.lasers |= lasers;
-            }
-        }
-    }
-    Ok(Compiled { job, totals, in_parts: true })
 }
 
 /// What a pragma says.
