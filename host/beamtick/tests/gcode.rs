@@ -218,6 +218,10 @@ fn what_is_wrong_has_line_and_reason_and_nothing_moves() {
     fs::write(folder.path().join("flat.toml"), flat).unwrap();
     let cases: &[(&str, &str)] = &[
         ("N-1 G1 X1 F100", "p.nc:2: a line number is 0 or above"),
+        ("T-1 G1 X1 F100", "p.nc:2: a tool number is 0 or above"),
+        ("G1.5 X1 F100", "p.nc:2: G1.5 is not supported: G1 has no decimals"),
+        ("G2 R4 F100", "p.nc:2: an arc by R needs axis words"),
+        ("G91.2", "p.nc:2: G91.2 is not supported"),
         ("G1 XNAN F100", "p.nc:2: `XNANF100`: a letter must have a number"),
         ("G1 X1e3 F100", "p.nc:2: the word E is not supported"),
         ("G1 X1 X2 F100", "p.nc:2: X is twice in a line"),

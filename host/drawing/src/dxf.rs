@@ -70,6 +70,8 @@ struct Drawing<'a> {
     /// By their names without case.
     layers: HashMap<String, Vec<LayerRow<'a>>>,
     blocks: HashMap<&'a str, Block<'a>>,
+    /// The names of the blocks by what they are without case.
+    block_names: HashMap<String, &'a str>,
     entities: Vec<Entity<'a>>,
     notes: Vec<String>,
     passed_over: BTreeMap<&'static str, usize>,
@@ -155,6 +157,7 @@ impl<'a> Drawing<'a> {
                     let Some(head) = all.next() else { continue };
                     let base = [head.real(10)?.unwrap_or(0.0), head.real(20)?.unwrap_or(0.0)];
                     if let Some(name) = head.text(2) {
+                        self.block_names.entry(caseless(name).collect()).or_insert(name);
                         self.blocks.insert(name, Block { base, entities: all.collect() });
                     }
                 }
@@ -219,14 +222,19 @@ impl<'a> Drawing<'a> {
             if depth == DEPTH {
                 return Err(Fault::at(entity.line, format!("blocks are in one another more than {DEPTH} deep")));
             }
-            let Some(block) = self.blocks.remove(name) else {
+            // Of two names that differ in case, the one that is written so.
+            let key = match self.block_names.get(&caseless(name).collect::<String>()) {
+                Some(other) if !self.blocks.contains_key(name) => other,
+                _ => name,
+            };
+            let Some(block) = self.blocks.remove(key) else {
                 let name: String = name.chars().take(40).collect();
                 let why = format!("the block `{name}` does not exist, or is in itself");
                 return Err(Fault::at(entity.line, why));
             };
             let inner = entity::insert(entity, block.base, &map)?;
             let done = self.collect(&block.entities, inner, Some(&paint), depth + 1, shapes);
-            self.blocks.insert(name, block);
+            self.blocks.insert(key, block);
             done?;
         }
         Ok(())

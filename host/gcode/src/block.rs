@@ -135,6 +135,7 @@ impl Block {
                 b'P' => letter(&mut block.p)?,
                 b'L' => letter(&mut block.l)?,
                 b'R' => letter(&mut block.r)?,
+                b'T' if word.number < 0 => return Err("a tool number is 0 or above".to_owned()),
                 b'T' => once(&mut block.t, "T")?,
                 b'N' if word.number < 0 => return Err("a line number is 0 or above".to_owned()),
                 b'N' => once(&mut number_seen, "N")?,
@@ -182,7 +183,9 @@ impl Block {
             911 => put(&mut self.centre_absolute, false, "arc distance"),
             930 => put(&mut self.inverse, true, "feed mode"),
             940 => put(&mut self.inverse, false, "feed mode"),
-            _ => Err(format!("{} is not supported", code_name('G', number))),
+            // Of these some have decimals.
+            280..290 | 300..310 | 900..930 => Err(unknown('G', number, |_| false)),
+            _ => Err(unknown('G', number, |whole| Block::default().g(whole).is_ok())),
         }
     }
 
@@ -198,7 +201,7 @@ impl Block {
             7 => once(&mut self.mist, "M7"),
             8 => once(&mut self.flood, "M8"),
             9 => once(&mut self.coolant_off, "M9"),
-            _ => Err(format!("{} is not supported", code_name('M', number))),
+            _ => Err(unknown('M', number, |_| true)),
         }
     }
 
@@ -247,8 +250,13 @@ impl Block {
     }
 }
 
-/// A code as people write it.
-fn code_name(letter: char, number: i128) -> String {
-    let text = format!("{}", number as f64 / ONE as f64);
-    format!("{letter}{text}")
+/// A code that is none, as people write it. One with decimals is told from an unknown one, if
+/// without them it is `known`.
+fn unknown(letter: char, number: i128, known: impl Fn(i128) -> bool) -> String {
+    let name = format!("{letter}{}", number as f64 / ONE as f64);
+    let whole = number - number % ONE;
+    if whole != number && known(whole) {
+        return format!("{name} is not supported: {letter}{} has no decimals", whole / ONE);
+    }
+    format!("{name} is not supported")
 }

@@ -473,6 +473,7 @@ impl<'a> State<'a> {
         let names_plane = block.xyz[a].is_some() || block.xyz[b].is_some();
         let arc = match block.r {
             Some(_) if block.names_centre() => return Err("an arc has either R or I, J, K".to_owned()),
+            Some(_) if !block.names_axes() => return Err("an arc by R needs axis words".to_owned()),
             Some(_) if !names_plane => return Err("an arc by R needs an axis word of its plane".to_owned()),
             Some(radius) => Arc::by_radius(to_f64(self.mm(radius)), end, ccw)?,
             None => {

@@ -16,6 +16,31 @@ fn a_dxf_whose_shapes_have_heights_says_that_they_are_flat_here() {
     }
 }
 
+/// Nor have names of blocks; of two that differ in case, the one that is written so is inserted.
+#[test]
+fn names_of_blocks_have_no_case() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let block = |name: &str, mm: u32| {
+        let line = format!("0\nLINE\n8\n0\n62\n1\n10\n0\n20\n0\n11\n{mm}\n21\n0\n");
+        format!("0\nBLOCK\n2\n{name}\n10\n0\n20\n0\n{line}0\nENDBLK\n8\n0\n")
+    };
+    for (blocks, inserted, says) in [
+        (vec![block("Bracket", 7)], "BRACKET", "marks of 7.000 mm"),
+        (vec![block("\u{c4}", 7)], "\u{e4}", "marks of 7.000 mm"),
+        (vec![block("a", 7), block("A", 9)], "a", "marks of 7.000 mm"),
+        (vec![block("a", 7), block("A", 9)], "A", "marks of 9.000 mm"),
+        (vec![block("a", 7)], "b", "the block `b` does not exist"),
+        (vec!["0\nBLOCK\n2\nA\n10\n0\n20\n0\n0\nINSERT\n2\na\n0\nENDBLK\n".to_owned()], "A", "the block `a` does not"),
+    ] {
+        let insert = format!("0\nINSERT\n8\n0\n2\n{inserted}\n10\n0\n20\n0\n");
+        let drawing = format!("0\nSECTION\n2\nBLOCKS\n{}0\nENDSEC\n{}", blocks.concat(), dxf(&[], &insert));
+        fs::write(folder.path().join("d.dxf"), drawing).unwrap();
+        let (said, code) = beamtick(folder.path(), &["check", "d.dxf", "--machine", "m.toml"]);
+        assert!(said.contains(says) && (code == 0) == says.starts_with("marks"), "{inserted}: {said}");
+    }
+}
+
 /// A DXF with layers (name, other groups) and entities.
 fn dxf(layers: &[(&str, &str)], entities: &str) -> String {
     let rows: String = layers.iter().map(|(name, groups)| format!("0\nLAYER\n2\n{name}\n{groups}")).collect();
