@@ -207,12 +207,13 @@ impl<'a> Stream<'a> {
         self.state.spindle = Spindle::Off;
     }
 
-    /// What a line would leave on: whether the laser is on after it.
+    /// What a line would leave on after a reset: whether the laser is on after it.
     ///
     /// # Errors
     /// Why nothing of it would be done.
     pub fn tried(&mut self, text: &str) -> Result<bool, String> {
         let (state, mark) = (self.state.clone(), self.writer.mark());
+        self.reset();
         let done = self.line(text);
         let on = self.state.spindle != Spindle::Off;
         self.state = state;

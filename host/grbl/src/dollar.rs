@@ -26,7 +26,7 @@ impl Session<'_> {
                 self.modes();
                 0
             }
-            "$C" if self.checks => return self.end_check(),
+            "$C" if self.checks => return self.restart(),
             "$C" if alarmed || !stands => errors::NOT_IDLE,
             "$C" => {
                 self.checks = true;
@@ -74,7 +74,8 @@ impl Session<'_> {
                     self.stream.forget_offsets();
                 }
                 self.tell("Restoring defaults");
-                0
+                self.answer(0);
+                return self.restart();
             }
             _ => match self.set(&bare) {
                 Ok(()) => 0,

@@ -42,6 +42,20 @@ const CORE: i16 = 1;
 const CRD: i16 = 1;
 const FIFO: i16 = 0;
 
+/// Why an axis has these faults, as a number of a stop reason: `reason`, if it is one of them. An
+/// axis that stands, or that a Stop brakes, keeps the reason of that.
+fn cause(faults: u32, reason: u16) -> u16 {
+    const CAUSES: [(u32, &[u16]); 4] = [
+        (status::LIMIT_POSITIVE, &[4, 6]),
+        (status::LIMIT_NEGATIVE, &[5, 7]),
+        (status::ALARM, &[8]),
+        (status::FOLLOWING_ERROR, &[9]),
+    ];
+    let mut found = CAUSES.into_iter().filter(|(bit, _)| faults & bit != 0).map(|(_, reasons)| reasons);
+    let first = found.clone().next().and_then(|reasons| reasons.first()).copied();
+    if found.any(|reasons| reasons.contains(&reason)) { reason } else { first.unwrap_or(reason) }
+}
+
 /// What the machine does.
 #[derive(Debug, Clone, Default)]
 pub struct View {
@@ -243,7 +257,9 @@ impl Feeder {
         let released = locked(&self.shared.inbox).released;
         if self.view.released != released {
             (self.view.fault, self.view.released) = (None, released);
+            // Known are those that are active now: they are read at once.
             (self.known_limits, self.dark) = ([status::LIMITS; 3], 0);
+            self.slow = None;
         }
         let stands = {
             let gate = locked(&self.shared.gate);
@@ -370,7 +386,7 @@ impl Feeder {
             });
             let faults = bits & status::FAULTS & !known;
             if faults != 0 {
-                let reason = format!("axis {axis} stopped: {}", stop_reason(item.reason.get()));
+                let reason = format!("axis {axis} stopped: {}", stop_reason(cause(faults, item.reason.get())));
                 self.fault(faults & status::LIMITS != 0, reason);
             }
         }

@@ -34,6 +34,8 @@ const LINE: usize = 255;
 /// What is kept of bytes that nobody counted.
 const KEPT: usize = 1 << 16;
 
+/// What a jog begins with.
+const JOG: &[u8] = b"$J=";
 /// What ends an alarm, in Grbl's words.
 const UNLOCK: &str = "'$H'|'$X' to unlock";
 
@@ -183,7 +185,7 @@ impl<'a> Session<'a> {
                 b'~' => self.go_on(),
                 0x18 => self.reset()?,
                 0x84 => self.hold(true)?,
-                0x85 => self.cancel_jog()?,
+                0x85 => drop(self.cancel_jog()?),
                 0x90..=0x9d => self.override_by(byte),
                 0xa0 => self.toggle(1)?,
                 0xa1 => self.toggle(0)?,
@@ -304,8 +306,11 @@ impl<'a> Session<'a> {
         self.jogs = false;
         match after {
             After::Jog => {
-                self.held = false;
+                self.held = self.door;
                 self.feed.release();
+                if self.held {
+                    self.feed.hold()?;
+                }
             }
             After::Alarm => self.stream.laser_off(),
             After::Unlock { home } => {
@@ -391,14 +396,14 @@ impl<'a> Session<'a> {
     }
 
     fn hold(&mut self, door: bool) -> Result<(), Error> {
-        if self.settles.is_some() || self.alarm.is_some() || self.sleeps {
+        let settles = self.settles.is_some_and(|(_, after)| after != After::Jog);
+        if settles || self.alarm.is_some() || self.sleeps || self.checks {
             return Ok(());
         }
-        if self.jogs {
-            return self.cancel_jog();
-        }
+        let jogged = self.cancel_jog()?;
+        // A door holds also what comes after the jog.
         self.door |= door;
-        if !self.held {
+        if !self.held && self.settles.is_none() && (door || !jogged) {
             self.held = true;
             self.feed.hold()?;
         }
@@ -416,12 +421,37 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn cancel_jog(&mut self) -> Result<(), Error> {
+    /// Ends the jog, and those that wait. Whether there was one.
+    fn cancel_jog(&mut self) -> Result<bool, Error> {
+        let waited = self.drop_jogs();
         if self.jogs && self.settles.is_none() {
             self.feed.hold()?;
             self.settle(After::Jog);
         }
-        Ok(())
+        Ok(waited || self.jogs)
+    }
+
+    /// Jogs whose lines have come and that no other line comes before: answered, and not run. They
+    /// may come in one packet with what ends them. Whether there was one.
+    fn drop_jogs(&mut self) -> bool {
+        let mut dropped = false;
+        let answers = self.waits.is_none() && !self.owes && !self.overflow;
+        while answers && self.alarm.is_none() && !self.checks && !self.sleeps {
+            let Some(end) = self.received.iter().position(|byte| is_end(*byte)) else { break };
+            let text =
+                self.line.iter().chain(self.received.iter().take(end)).filter(|byte| !byte.is_ascii_whitespace());
+            let begin: Vec<u8> = text.take(JOG.len()).map(u8::to_ascii_uppercase).collect();
+            let is_jog = begin == JOG;
+            if !is_jog && !begin.is_empty() {
+                break;
+            }
+            self.received.drain(..=end);
+            self.line.clear();
+            self.lines += 1;
+            self.answer(0);
+            dropped |= is_jog;
+        }
+        dropped
     }
 
     /// A line, answered.
@@ -440,9 +470,8 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         // Grbl drops a comment to the end of its line, closed or not.
-        let open = trimmed.split(';').next().is_some_and(|text| text.contains('(') && !text.contains(')'));
-        let closed = if open { format!("{trimmed})") } else { String::new() };
-        let text = if open { &closed } else { trimmed };
+        let closed = if ends_in_comment(trimmed) { format!("{trimmed})") } else { String::new() };
+        let text = if closed.is_empty() { trimmed } else { &closed };
         let done = match self.stream.line(text) {
             Ok(done) => done,
             Err(why) if errors::leaves_travel(&why) => {
@@ -536,8 +565,8 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// `$C` off, which is a reset in Grbl too.
-    pub(crate) fn end_check(&mut self) -> Result<(), Error> {
+    /// `$C` off and `$RST=`, which are resets in Grbl too. What has come is kept.
+    pub(crate) fn restart(&mut self) -> Result<(), Error> {
         let kept = std::mem::take(&mut self.received);
         self.stop(After::Reset)?;
         self.received = kept;
@@ -547,4 +576,18 @@ impl<'a> Session<'a> {
 
 fn is_end(byte: u8) -> bool {
     byte == b'\r' || byte == b'\n'
+}
+
+/// Whether a line ends within parentheses.
+fn ends_in_comment(line: &str) -> bool {
+    let mut open = false;
+    for byte in line.bytes() {
+        match byte {
+            b';' if !open => return false,
+            b'(' => open = true,
+            b')' => open = false,
+            _ => {}
+        }
+    }
+    open
 }

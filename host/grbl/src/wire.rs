@@ -9,7 +9,7 @@ use client::{Call, Client, Error};
 use gcode::Stream;
 use machine::Machine;
 use std::io::{ErrorKind, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
@@ -19,6 +19,10 @@ const SHORT_WAIT: Duration = Duration::from_millis(1);
 const LONG_WAIT: Duration = Duration::from_millis(5);
 /// A sender that takes no answers for so long has gone.
 const DEAF: Duration = Duration::from_secs(2);
+/// What a second sender reads.
+const BUSY: &[u8] = b"[MSG:Busy: another sender is connected]\r\n";
+/// So many of them are waited for.
+const REFUSED_MAX: usize = 16;
 /// Time between two looks for another sender.
 const VISITS: Duration = Duration::from_millis(100);
 /// Time between two looks for a first one.
@@ -187,7 +191,8 @@ fn talk(
 
 /// Where senders come from.
 enum Listener {
-    Tcp(TcpListener),
+    /// With those that are told that they cannot come in, and since when.
+    Tcp(TcpListener, Vec<(TcpStream, Instant)>),
     #[cfg(unix)]
     Pty(Option<Box<serialport::TTYPort>>),
     Local(Option<Channel>),
@@ -210,7 +215,7 @@ impl Listener {
         match port {
             Port::Tcp(listener) => {
                 listener.set_nonblocking(true).map_err(|error| Error::cannot_open("the port", error))?;
-                Ok(Listener::Tcp(listener))
+                Ok(Listener::Tcp(listener, Vec::new()))
             }
             #[cfg(unix)]
             Port::Pty(master) => Ok(Listener::Pty(Some(master))),
@@ -222,7 +227,7 @@ impl Listener {
     fn next(&mut self, ends: &dyn Fn() -> bool) -> Result<Option<Wire>, Error> {
         while !ends() {
             match self {
-                Listener::Tcp(listener) => {
+                Listener::Tcp(listener, _) => {
                     if let Ok((stream, _)) = listener.accept()
                         && stream.set_nonblocking(false).is_ok()
                         && stream.set_nodelay(true).is_ok()
@@ -262,13 +267,24 @@ impl Listener {
         }
     }
 
-    /// Others that come meanwhile are told so.
+    /// Others that come meanwhile are told so. What they send is taken until they have gone: a
+    /// connection that is closed before would take the message with it.
     fn refuse(&mut self) {
-        if let Listener::Tcp(listener) = self {
-            while let Ok((mut stream, _)) = listener.accept() {
-                let _ = stream.write_all(b"[MSG:Busy: another sender is connected]\r\n");
+        let Listener::Tcp(listener, refused) = self else { return };
+        while let Ok((mut stream, _)) = listener.accept() {
+            let told = stream.set_nonblocking(true).and_then(|()| stream.write_all(BUSY));
+            if told.and_then(|()| stream.shutdown(Shutdown::Write)).is_ok() && refused.len() < REFUSED_MAX {
+                refused.push((stream, Instant::now()));
             }
         }
+        refused.retain_mut(|(stream, since)| {
+            let mut sent = [0; 4096];
+            let stays = match stream.read(&mut sent) {
+                Ok(count) => count > 0,
+                Err(error) => is_wait(&error),
+            };
+            stays && since.elapsed() < DEAF
+        });
     }
 }
 

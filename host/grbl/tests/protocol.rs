@@ -2,6 +2,8 @@
 mod common;
 
 use common::{MACHINE, Rig, near};
+use std::io::{Read, Write};
+use std::net::TcpStream;
 
 #[test]
 fn every_line_end_is_answered() {
@@ -146,7 +148,7 @@ fn errors_have_grbls_numbers() {
         ("G10 L2 P9 X1", 29),
         ("G53 G80", 30),
         ("G80 X1", 31),
-        ("G2 R5 F100", 32),
+        ("G2 R5 F100", 26),
         ("G2 X10 I4 F100", 33),
         ("G2 X10 R4 F100", 34),
         ("G2 X1 Y1 F100", 35),
@@ -471,5 +473,49 @@ fn start_up_lines_are_tried_and_switch_no_laser_on() {
     sender.send("\x18");
     sender.banner();
     assert_eq!(sender.line(), ">G55G91:ok");
+    // They run after a reset, which ends M3: what is in force now is nothing to them.
+    sender.ok("M3 S500 G1 F600");
+    assert_eq!(sender.error("$N1=M3"), 20);
+    for line in ["$N0=G20", "$N0="] {
+        sender.ok(line);
+    }
+    assert_eq!(sender.ok("$N"), ["$N0=", "$N1="]);
+    // As a reset, also of what is modal.
+    assert_eq!(sender.ok("$RST=*"), ["[MSG:Restoring defaults]"]);
+    sender.banner();
+    assert!(sender.ok("$G")[0].starts_with("[GC:G0 G54 G17 G21 G90"));
+    rig.end();
+}
+
+#[test]
+fn comments_are_grbls() {
+    let rig = Rig::new(MACHINE, false);
+    let mut sender = rig.sender();
+    sender.banner();
+    for line in ["(a;b)", "(Tool; 3 mm)", "(;)", "(open", "(a;", "; (", "(a) ; b)", "(a)(b"] {
+        assert_eq!(sender.ok(line), [""; 0], "{line}");
+    }
+    assert_eq!(sender.error("a) ; b"), 1);
+    sender.ok("G1(;)X1F6000 (open");
+    sender.ok("(x;y)Y1;(z)");
+    sender.idle();
+    assert_eq!(rig.at(), [100.0, -100.0]);
+    rig.end();
+}
+
+/// One that has sent something reads the message too.
+#[test]
+fn a_second_sender_reads_that_another_is_there() {
+    let rig = Rig::new(MACHINE, false);
+    let mut first = rig.sender();
+    first.banner();
+    for sent in ["", "?\n", "\x18!G1X50F100\n"] {
+        let mut second = TcpStream::connect(rig.address).unwrap();
+        second.write_all(sent.as_bytes()).unwrap();
+        let mut read = String::new();
+        second.read_to_string(&mut read).unwrap();
+        assert_eq!(read, "[MSG:Busy: another sender is connected]\r\n", "{sent:?}");
+    }
+    assert_eq!(first.status().state, "Idle");
     rig.end();
 }

@@ -71,6 +71,75 @@ fn a_hold_is_dark_on_the_path_and_goes_on_with_its_light() {
     assert_eq!(sender.answer(), ["ok"]);
 }
 
+/// A door in a jog ends it, and holds what comes after it. In check mode nothing moves that could
+/// be held.
+#[test]
+fn a_door_in_a_jog_holds_what_follows() {
+    let rig = Rig::new(MACHINE, false);
+    let mut sender = rig.sender();
+    sender.banner();
+    // In the middle of it, as it is being ended, and with jogs that wait.
+    for bytes in [&[0x84][..], &[0x85, 0x84], b"$J=G90 X150 F600\n\x84", b"!\x84"] {
+        sender.ok("$J=G90 X200 F6000");
+        sender.until(|status| status.state == "Jog" && status.at[0] > 5.0);
+        sender.send(bytes);
+        if bytes.len() > 2 {
+            assert_eq!(sender.answer(), ["ok"]);
+        }
+        sender.until(|status| status.state == "Door:0");
+        let at = rig.at();
+        assert!(at[0] < 14_000.0, "{at:?}");
+        sender.send("M3 S500 G1 X100 F6000\n");
+        for _ in 0..20 {
+            assert_eq!((sender.status().state.as_str(), rig.at(), rig.lit()), ("Door:0", at, false), "{bytes:?}");
+        }
+        sender.send("~");
+        assert_eq!(sender.answer(), ["ok"]);
+        sender.idle();
+        assert_eq!(rig.at(), [10_000.0, 0.0]);
+        sender.ok("M5 G0 X0");
+        sender.idle();
+    }
+    sender.ok("$C");
+    sender.send("!");
+    sender.send([0x84]);
+    assert_eq!(sender.status().state, "Check");
+    sender.ok("G1 X1 F100");
+    sender.send("$C\n");
+    sender.banner();
+    rig.end();
+}
+
+/// Press and release of a jog key may come in one packet.
+#[test]
+fn a_jog_that_comes_with_its_end_is_not_run() {
+    let rig = Rig::new(MACHINE, false);
+    let mut sender = rig.sender();
+    sender.banner();
+    for end in [&b"\x85"[..], b"!"] {
+        sender.send([b"$J=X100 F6000\n", end].concat());
+        assert_eq!(sender.answer(), ["ok"]);
+        assert_eq!((sender.status().state.as_str(), rig.at()), ("Idle", [0.0, 0.0]));
+        // The same while another runs.
+        sender.ok("$J=X100 F6000");
+        sender.until(|status| status.at[0] > 5.0);
+        sender.send([b"$J=X250 F6000\r\n$j = X260F6000\n", end].concat());
+        for _ in 0..3 {
+            assert_eq!(sender.answer(), ["ok"]);
+        }
+        sender.idle();
+        assert!(rig.at()[0] < 9_900.0);
+        sender.ok("G0 X0");
+        sender.idle();
+    }
+    // What comes after the end is run.
+    sender.send(b"\x85$J=X3 F6000\n");
+    assert_eq!(sender.answer(), ["ok"]);
+    sender.idle();
+    assert_eq!(rig.at(), [300.0, 0.0]);
+    rig.end();
+}
+
 #[test]
 fn a_reset_in_motion_is_dark_and_knows_where_it_is() {
     let rig = Rig::new(MACHINE, false);
@@ -217,6 +286,44 @@ fn a_hold_in_a_last_dwell_keeps_its_rest() {
     rig.end();
 }
 
+/// A switch at an axis that stands, or that a hold brakes, is named: the axis has another reason
+/// for its last stop.
+#[test]
+fn an_alarm_names_the_switch_in_every_state() {
+    let machine = MACHINE.replacen("acceleration = 1000\n", "acceleration = 1000\nlimits = \"both\"\n", 1);
+    let rig = Rig::new(&machine, false);
+    let mut sender = rig.sender();
+    sender.banner();
+    for (state, positive) in [("Idle", true), ("Idle", false), ("Hold:0", true), ("M0", false), ("Hold:0", false)] {
+        if state == "Hold:0" {
+            sender.ok("G1 X100 F1200");
+            sender.until(|status| status.at[0] > 5.0);
+            sender.send("!");
+        } else if state == "M0" {
+            sender.send("M0\n");
+        }
+        sender.until(|status| state.starts_with(&status.state) || status.state == "Hold:0");
+        let active = |level| {
+            let mut board = rig.board.lock().unwrap();
+            let axis = &mut board.inputs_mut().axes[0];
+            if positive { axis.limit_positive = level } else { axis.limit_negative = level }
+        };
+        active(true);
+        assert_eq!(sender.line(), "ALARM:1", "{state}");
+        let which = if positive { "positive" } else { "negative" };
+        assert_eq!(sender.line(), format!("[MSG:axis 1 stopped: the {which} limit switch]"), "{state}");
+        if state == "M0" {
+            assert_eq!(sender.answer(), ["error:9"]);
+        }
+        active(false);
+        while sender.ask("$X").last().unwrap() != "ok" {}
+        sender.ok("G0 X0");
+        sender.ok("G0 X5");
+        sender.idle();
+    }
+    rig.end();
+}
+
 /// A limit switch that stays active: the axis moves off it, and no line after the alarm marks.
 #[test]
 fn an_axis_moves_off_its_limit_switch() {
@@ -240,7 +347,7 @@ fn an_axis_moves_off_its_limit_switch() {
         sender.send("$J=G91 X2 F600\n");
         assert_eq!(sender.answer(), ["ok"]);
         assert_eq!(sender.line(), "ALARM:1", "{times}");
-        sender.line();
+        assert!(sender.line().contains("the positive limit switch"));
         sender.until(|status| status.state == "Alarm" && status.speeds().0 == 0.0);
         assert_eq!(sender.ok("$X"), ["[MSG:Caution: Unlocked]"]);
         // M3 was before the alarm.

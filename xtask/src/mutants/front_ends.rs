@@ -7,10 +7,14 @@ const REMEDY: &[&str] = &["-p", "beamtick", "--test", "refused_starts", "--", "t
 const INSTANT: &[&str] = &["-p", "beamtick", "--test", "refused_starts", "--", "calls_after"];
 const DWELL: &[&str] = &["-p", "beamtick-grbl", "--test", "stops", "--", "a_last_dwell"];
 const SWITCH: &[&str] = &["-p", "beamtick-grbl", "--test", "stops", "--", "off_its_limit_switch"];
+const DOOR: &[&str] = &["-p", "beamtick-grbl", "--test", "stops", "--", "a_door_in_a_jog"];
+const JOG: &[&str] = &["-p", "beamtick-grbl", "--test", "stops", "--", "comes_with_its_end"];
+const NAMED: &[&str] = &["-p", "beamtick-grbl", "--test", "stops", "--", "names_the_switch"];
 const OUTPUTS: &[&str] = &["-p", "beamtick-grbl", "--test", "protocol", "--", "outputs_alone"];
 
 const PROGRAM_END: &str = "dispatcher/src/program/end.rs";
 const FEEDER: &str = "host/grbl/src/feeder.rs";
+const SESSION: &str = "host/grbl/src/session.rs";
 
 /// Those of one crate together.
 pub const FRONT_ENDS: &[Mutant] = &[
@@ -55,5 +59,20 @@ pub const FRONT_ENDS: &[Mutant] = &[
         "(self.known_limits, self.dark) = ([status::LIMITS; 3], 0);",
         "self.dark = 0;",
         SWITCH,
+    ),
+    mutant("found: a door in a jog is lost", SESSION, "self.held = self.door;", "self.held = false;", DOOR),
+    mutant(
+        "found: a jog that comes with its end is run",
+        SESSION,
+        "let waited = self.drop_jogs();",
+        "let waited = false;",
+        JOG,
+    ),
+    mutant(
+        "found: an alarm at an axis that stands names no switch",
+        FEEDER,
+        "stop_reason(cause(faults, item.reason.get()))",
+        "stop_reason(item.reason.get())",
+        NAMED,
     ),
 ];
