@@ -15,7 +15,7 @@ mod warnings;
 use crate::fault::Fault;
 use crate::round;
 use crate::shape::{Paint, Piece, Point, Shape, add, minus, scaled, size};
-use kurbo::PathEl;
+use kurbo::{Affine, PathEl, Rect, Shape as _};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use usvg::roxmltree::{self, Document, ParsingOptions};
 use usvg::{Group, Node, Transform, Tree};
@@ -83,7 +83,7 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     let foreign_dashes = check::foreign_dashes(&document);
     let without_context = check::strokes_without_context(&document);
     let mut found = Found { width, height, foreign_dashes, without_context, ..Found::default() };
-    found.group(tree.root(), "")?;
+    found.group(tree.root(), Map::IDENTITY, "")?;
     let mut notes: Vec<String> = skipped.iter().map(|text| causes::readable(text)).collect();
     notes.extend(unshown);
     notes.extend(size_note(document.root_element(), [width, height]));
@@ -160,6 +160,19 @@ impl Map {
         Map([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))
     }
 
+    const IDENTITY: Map = Map([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+
+    /// This, and what is around it.
+    fn within(&self, outer: &Map) -> Map {
+        Map((Affine::new(outer.0) * Affine::new(self.0)).as_coeffs())
+    }
+
+    /// The least rectangle around a path.
+    fn bounds(&self, elements: &[PathEl]) -> Rect {
+        let mapped: Vec<PathEl> = elements.iter().map(|element| Affine::new(self.0) * *element).collect();
+        (&mapped[..]).bounding_box()
+    }
+
     fn px(&self, [x, y]: Point) -> Point {
         let Map([a, b, c, d, e, f]) = self;
         [a * x + c * y + e, b * x + d * y + f]
@@ -195,8 +208,11 @@ impl Found {
         *self.passed_over.entry(what).or_insert(0) += 1;
     }
 
-    /// `around` is the place of the nearest element around it that has one.
-    fn group(&mut self, group: &Group, around: &str) -> Result<(), Fault> {
+    /// `outer` is the map of what is around it, `around` the place of the nearest element around it
+    /// that has one.
+    fn group(&mut self, group: &Group, outer: Map, around: &str) -> Result<(), Fault> {
+        // `abs_transform` leaves out the transform of a `use` of a symbol, or takes it twice.
+        let map = Map::of(group.transform()).within(&outer);
         if group.opacity().get() == 0.0 {
             self.pass("what is fully transparent is not marked");
             return Ok(());
@@ -216,7 +232,7 @@ impl Found {
             return Err(Fault::whole(format!("{name} has a mask, which is not supported: apply it, or remove it")));
         }
         if let Some(clip) = group.clip_path()
-            && !clip::covers(clip, group)
+            && !clip::covers(clip, group, &map)
         {
             return Err(Fault::whole(format!(
                 "{name} is cut by a clip path, which is not supported: cut the shapes, or remove it"
@@ -228,8 +244,8 @@ impl Found {
         let around = if group.id().is_empty() { around } else { &place };
         for node in group.children() {
             match node {
-                Node::Group(group) => self.group(group, around)?,
-                Node::Path(path) => self.path(path, around)?,
+                Node::Group(group) => self.group(group, map, around)?,
+                Node::Path(path) => self.path(path, map, around)?,
                 Node::Image(_) => return Err(Fault::whole("an image cannot be marked: trace it, or remove it")),
                 Node::Text(_) => return Err(Fault::whole("text cannot be marked: make paths of it")),
             }
@@ -237,7 +253,7 @@ impl Found {
         Ok(())
     }
 
-    fn path(&mut self, path: &usvg::Path, around: &str) -> Result<(), Fault> {
+    fn path(&mut self, path: &usvg::Path, map: Map, around: &str) -> Result<(), Fault> {
         let place = shape_place(path.id(), around);
         let Some(stroke) = path.stroke() else {
             if path.fill().is_some() && !self.without_context.contains(path.id()) {
@@ -257,8 +273,8 @@ impl Found {
             let text = format!("the stroke of {place} is a gradient or a pattern: a layer needs one colour");
             return Err(Fault::whole(text));
         };
-        let map = Map::of(path.abs_transform());
         let mut elements = dashes::elements(path.data());
+        let leaves = self.leaves(path, &elements, &map);
         if let Some(lengths) = stroke.dasharray() {
             // What `use` shows has lost its id.
             let any = self.foreign_dashes.values().next().filter(|_| path.id().is_empty());
@@ -279,12 +295,7 @@ impl Found {
             }
             elements = pattern.cut(&elements);
         }
-        let bounds = path.abs_bounding_box();
-        let range = [(bounds.left(), bounds.right(), self.width), (bounds.top(), bounds.bottom(), self.height)];
-        if range
-            .into_iter()
-            .any(|(low, high, most)| f64::from(low) < -PAGE_SLACK_PX || f64::from(high) > most + PAGE_SLACK_PX)
-        {
+        if leaves {
             self.beyond.0 += 1;
             if self.beyond.0 == 1 {
                 self.beyond.1.clone_from(&place);
@@ -293,6 +304,23 @@ impl Found {
         let paint = Paint { colour: [colour.red, colour.green, colour.blue], index: None, layer: None };
         self.outline(path, (&elements, map), &Pen { paint, place });
         Ok(())
+    }
+
+    /// Whether a path leaves the page.
+    fn leaves(&self, path: &usvg::Path, elements: &[PathEl], map: &Map) -> bool {
+        let is_within = |[x, y]: Point| {
+            let far = [(x, self.width), (y, self.height)];
+            far.into_iter().all(|(at, most)| (-PAGE_SLACK_PX..=most + PAGE_SLACK_PX).contains(&at))
+        };
+        let bounds = path.bounding_box();
+        let (left, right) = (f64::from(bounds.left()), f64::from(bounds.right()));
+        let (top, bottom) = (f64::from(bounds.top()), f64::from(bounds.bottom()));
+        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
+        if corners.into_iter().all(|corner| is_within(map.px(corner))) {
+            return false;
+        }
+        let bounds = map.bounds(elements);
+        ![[bounds.x0, bounds.y0], [bounds.x1, bounds.y1]].into_iter().all(is_within)
     }
 
     /// What is drawn of a path: all of it, or its dashes.

@@ -130,3 +130,54 @@ fn the_note_about_the_size_of_a_page_is_true() {
         assert_eq!(said.contains("a unit"), !note.is_empty(), "{size}: {said}");
     }
 }
+
+/// A `use` of a symbol lies where the product of all transforms puts it, and is cut by its own size
+/// only.
+#[test]
+fn symbols_are_marked_where_their_use_puts_them() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let line = |d: &str| format!("<path d=\"{d}\" stroke=\"#f00\"/>");
+    let diagonal = line("M1 1L9 9");
+    let open = format!("<symbol id=\"q\" style=\"overflow:visible\">{diagonal}</symbol>");
+    let closed = format!("<symbol id=\"q\">{diagonal}</symbol>");
+    let boxed = format!("<symbol id=\"q\" viewBox=\"0 0 10 10\">{}</symbol>", line("M4 4L6 6"));
+    let moved = "transform=\"translate(30 40)\"";
+    let within = "<g id=\"w\" transform=\"scale(2)\"><use href=\"#q\" transform=\"translate(5 5)\" width=\"10\" height=\"10\"/></g>";
+    let nested = format!(
+        "<defs>{within}</defs><g transform=\"translate(10 0)\"><use href=\"#w\" transform=\"translate(0 10)\"/></g>"
+    );
+    let shown = |how: &str| format!("<use href=\"#q\" {how} width=\"10\" height=\"10\"/>");
+    for (inside, says) in [
+        (shown(moved), "X 31.000 to 39.000, Y 51.000 to 59.000"),
+        (shown("style=\"transform:translate(30 40)\""), "X 31.000 to 39.000, Y 51.000 to 59.000"),
+        (shown("transform=\"translate(30 40) scale(2)\""), "X 32.000 to 48.000, Y 42.000 to 58.000"),
+        (shown("transform=\"translate(50 50) rotate(45)\""), "X 50.000 to 50.000, Y 37.272 to 48.586"),
+        (shown("x=\"3\" y=\"4\" transform=\"scale(2)\""), "X 8.000 to 24.000, Y 74.000 to 90.000"),
+        (shown("x=\"30\" y=\"40\""), "X 31.000 to 39.000, Y 51.000 to 59.000"),
+        (nested, "X 22.000 to 38.000, Y 62.000 to 78.000"),
+    ] {
+        for symbol in [&open, &closed] {
+            let (said, code) = check(folder.path(), &page(&format!("{symbol}{inside}")));
+            assert!(code == 0 && said.contains(says) && !said.contains("leaves"), "{symbol}{inside}: {said}");
+        }
+    }
+    for (inside, says) in [
+        (shown("transform=\"translate(6 6)\""), "X 10.000 to 12.000, Y 88.000 to 90.000"),
+        (shown("transform=\"rotate(90 20 20)\""), "X 34.000 to 36.000, Y 94.000 to 96.000"),
+        (shown("transform=\"translate(95 6)\""), "leaves the page"),
+        ("<use href=\"#q\" transform=\"translate(6 6)\" width=\"20\" height=\"20\"/>".to_owned(), "X 14.000 to 18.000"),
+    ] {
+        let (said, code) = check(folder.path(), &page(&format!("{boxed}{inside}")));
+        assert!(code == 0 && said.contains(says), "{inside}: {said}");
+    }
+    // What is cut is still refused, whatever moves it.
+    let long = format!("<symbol id=\"q\">{}</symbol>", line("M1 1L19 19"));
+    let (said, code) = check(folder.path(), &page(&format!("{long}{}", shown(moved))));
+    assert!(code == 2 && said.contains("the use of line 2 is cut by a clip path"), "{said}");
+    // A page around turned shapes cuts nothing: their corners would leave it, they do not.
+    let clip = "<clipPath id=\"c\"><path d=\"M0 0H100V100H0z\"/></clipPath>";
+    let circle = "<g transform=\"rotate(45 50 50)\"><circle cx=\"50\" cy=\"50\" r=\"49\" stroke=\"#f00\"/></g>";
+    let (said, code) = check(folder.path(), &page(&format!("{clip}<g clip-path=\"url(#c)\">{circle}</g>")));
+    assert!(code == 0 && said.contains("X 1.000 to 99.000") && !said.contains("leaves"), "{said}");
+}
