@@ -1,13 +1,13 @@
 //! Shapes to motions.
 //!
 //! In: shapes in mm of the page, the machine. Out: strokes for the writer: in the dark to each
-//! shape, lit along it, at last home; notes. Fails with the shape that leaves the travel, by how
-//! much.
+//! shape, lit along it, at last home; notes, as of shapes that have no pulse. Fails with the shape
+//! that leaves the travel, by how much.
 use crate::order::order;
 use crate::shape::{Piece, Point, Run, Shape, add};
 use crate::{Options, layers};
-use machine::{Machine, Shine};
-use strokes::exact::{ONE, of_f64};
+use machine::{Layer, Machine, Shine};
+use strokes::exact::{ONE, Scale, of_f64};
 use strokes::{Light, Stroke, Writer};
 
 /// Farther than this nothing is computed, mm.
@@ -37,6 +37,13 @@ pub fn plan(
     let mut plan = Plan::new(machine, writer);
     let (layers, idle) = layers::sort(shapes, machine)?;
     let mut notes: Vec<String> = idle.into_iter().collect();
+    let (layers, empty) = with_pulses(layers, machine);
+    if empty > 0 {
+        notes.push(format!("what is shorter than a pulse is not marked ({empty})"));
+    }
+    if layers.is_empty() {
+        return Err(format!("there is nothing to mark: what is shorter than a pulse is not marked ({empty})"));
+    }
     for (layer, shapes) in layers {
         plan.writer.check_speed(layer.speed).map_err(|why| format!("layer \"{}\": {why}", layer.name))?;
         plan.writer.choose(layer.laser);
@@ -61,6 +68,40 @@ pub fn plan(
     }
     plan.home();
     plan.outside().map(|()| notes)
+}
+
+/// The shapes of each layer that have a pulse, and how many have none.
+fn with_pulses<'m>(layers: Vec<(&'m Layer, Vec<Shape>)>, machine: &Machine) -> (Vec<(&'m Layer, Vec<Shape>)>, usize) {
+    let scales = ['X', 'Y'].map(|letter| machine.axis(letter).map(Scale::of));
+    let pulses = |point: Point| [0, 1].map(|axis| scales[axis].as_ref().map(|scale| scale.pulses(of_mm(point[axis]))));
+    let mut empty = 0;
+    let mut found = Vec::with_capacity(layers.len());
+    for (layer, mut shapes) in layers {
+        let all = shapes.len();
+        shapes.retain(|shape| !is_empty(shape, machine.path.arc_tolerance, &pulses));
+        empty += all - shapes.len();
+        if !shapes.is_empty() {
+            found.push((layer, shapes));
+        }
+    }
+    (found, empty)
+}
+
+/// Whether all points of a shape are the same pulse.
+fn is_empty<P: PartialEq>(shape: &Shape, tolerance: f64, pulses: &dyn Fn(Point) -> P) -> bool {
+    let start = pulses(shape.start);
+    let same = |point: Point| pulses(point) == start;
+    if !shape.joints().all(same) {
+        return false;
+    }
+    let mut at = shape.start;
+    shape.runs(tolerance).into_iter().all(|run| {
+        let (Run::Line(end) | Run::Arc(_, end)) = run;
+        let from = std::mem::replace(&mut at, end);
+        let Run::Arc(arc, _) = run else { return same(end) };
+        let [(left, right), (low, high)] = arc.extent();
+        same(end) && same(add(from, [left, low])) && same(add(from, [right, high]))
+    })
 }
 
 fn shift(shape: &mut Shape, by: Point) {

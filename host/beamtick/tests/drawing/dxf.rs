@@ -198,6 +198,10 @@ fn what_is_wrong_in_a_dxf_has_line_and_reason() {
         (with("0\nINSERT\n2\nNONE\n10\n0\n20\n0\n"), "the block `NONE` does not exist, or is in itself"),
         (blocks(&bomb, "0\nINSERT\n2\nB11\n10\n0\n20\n0\n"), "blocks make more than 1000000 shapes"),
         (spline(5, "0 0"), "a SPLINE has the degree 5; 1 to 3"),
+        (
+            with("0\nSPLINE\n62\n1\n71\n3\n74\n2\n11\n0\n21\n0\n11\n5\n21\n5\n"),
+            "d.dxf:6: a SPLINE has fit points only, which is not supported: explode it, or save it with control points",
+        ),
         (spline(3, "0 0 0 0 1 1 1"), "a SPLINE has 7 knots for 4 control points; they are 8"),
         (spline(3, "0 0 0 0 1 1 0 1"), "and never fall"),
         (with(""), "there is nothing to mark"),

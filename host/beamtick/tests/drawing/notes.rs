@@ -98,6 +98,12 @@ fn what_is_passed_over_is_noted_as_what_it_is() {
             "what is fully transparent is not marked (1)",
             "hidden",
         ),
+        ("<circle cx=\"20\" cy=\"20\" r=\"1e-4\" stroke=\"red\"/>", "shorter than a pulse is not marked (1)", "X 20"),
+        (
+            "<path d=\"M20 20h1e-5M30 30c1e-4 0 1e-4 1e-4 0 1e-4M40 40h1e-4v1e-4\" stroke=\"red\"/>",
+            "what is shorter than a pulse is not marked (3)",
+            "X 20",
+        ),
     ] {
         let (said, code) = check(folder.path(), &page(&format!("{other}\n{inside}")));
         assert!(code == 0 && said.contains("marks of 5.000 mm"), "{inside}: {said}");
@@ -128,6 +134,28 @@ fn the_note_about_the_size_of_a_page_is_true() {
         let (said, code) = check(folder.path(), &svg);
         assert!(code == 0 && said.contains(marks) && said.contains(note), "{size}: {said}");
         assert_eq!(said.contains("a unit"), !note.is_empty(), "{size}: {said}");
+    }
+}
+
+/// A shape has a pulse where one of its points has: ends, corners, or the side of a circle.
+#[test]
+fn shapes_without_a_pulse_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let path = |d: &str| page(&format!("<path d=\"{d}\" stroke=\"red\"/>"));
+    for (svg, has_one) in [
+        (path("M20 20h0.0004"), false),
+        (path("M20 20h0.0006"), true),
+        (path("M20 20h0.0006h-0.0006"), true),
+        (path("M20 20c0.02 0 0.02 0.0001 0 0.0001"), true),
+        (path("M20 20c0.0004 0 0.0004 0.0001 0 0.0001"), false),
+        (page("<circle cx=\"20\" cy=\"20\" r=\"0.0002\" stroke=\"red\"/>"), false),
+        (page("<circle cx=\"20\" cy=\"20\" r=\"0.0008\" stroke=\"red\"/>"), true),
+    ] {
+        let (said, code) = check(folder.path(), &svg);
+        let nothing =
+            "d.svg: there is nothing to mark: what is shorter than a pulse is not marked (1); nothing was run";
+        assert_eq!((code, said.contains(nothing)), if has_one { (0, false) } else { (2, true) }, "{svg}: {said}");
     }
 }
 

@@ -280,6 +280,10 @@ fn spline(entity: &Entity<'_>) -> Result<(Point, Vec<Piece>), Fault> {
         return Err(fault("with weights is not supported: make a polyline of it".to_owned()));
     }
     let p = degree as usize;
+    if controls.is_empty() && entity.groups.iter().any(|group| group.code == 11) {
+        let what = "has fit points only, which is not supported: explode it, or save it with control points";
+        return Err(fault(what.to_owned()));
+    }
     if controls.len() <= p {
         return Err(fault("has too few control points".to_owned()));
     }
