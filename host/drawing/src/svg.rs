@@ -9,6 +9,7 @@ mod check;
 mod clip;
 mod dashes;
 mod places;
+mod sheets;
 mod uses;
 mod warnings;
 
@@ -57,11 +58,12 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     })?;
     check::check(&document)?;
     let unshown = uses::check(&document)?;
+    let unpainted = sheets::check(&document)?;
     // The same with a name for each shape, so that it is found again in the file.
     let named = places::named(&document);
     let document =
         Document::parse_with_options(&named, xml()).map_err(|error| Fault::whole(bare(&error.to_string())))?;
-    let (tree, warnings) = warnings::during(|| Tree::from_xmltree(&document, &options()));
+    let (tree, warnings) = warnings::during("usvg", || Tree::from_xmltree(&document, &options()));
     let tree = tree.map_err(|error| {
         Fault::whole(match error {
             usvg::Error::InvalidSize => {
@@ -86,6 +88,7 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     found.group(tree.root(), Map::IDENTITY, "")?;
     let mut notes: Vec<String> = skipped.iter().map(|text| causes::readable(text)).collect();
     notes.extend(unshown);
+    notes.extend(unpainted);
     notes.extend(size_note(document.root_element(), [width, height]));
     notes.extend(check::thin(&document));
     notes.extend(found.beyond_note());

@@ -98,6 +98,22 @@ fn what_is_passed_over_is_noted_as_what_it_is() {
             "what is fully transparent is not marked (1)",
             "hidden",
         ),
+        (
+            "<path d=\"M0 9V5\" stroke=\"url(#nope)\"/>",
+            "the stroke of line 3 names `#nope`, which does not exist, and is not marked\n",
+            "(with",
+        ),
+        (
+            "<g style=\"stroke:url(#nope)\"><path d=\"M0 9V5\"/></g>\n<path d=\"M0 9V5\" stroke=\"url(#b)\"/>",
+            "the stroke of line 3 names `#nope`, which does not exist, and is not marked (with it 2 strokes)",
+            "`#b`",
+        ),
+        (
+            "<style>.a { stroke: url(#nope) }</style><path class=\"a\" d=\"M0 9V5\"/>",
+            "the stroke of the style sheet of line 3 names `#nope`, which does not exist, and is not marked",
+            "(with",
+        ),
+        ("<path d=\"M0 9V5\" stroke=\"url(#nope) none\"/>", "", "`#nope`"),
         ("<circle cx=\"20\" cy=\"20\" r=\"1e-4\" stroke=\"red\"/>", "shorter than a pulse is not marked (1)", "X 20"),
         (
             "<path d=\"M20 20h1e-5M30 30c1e-4 0 1e-4 1e-4 0 1e-4M40 40h1e-4v1e-4\" stroke=\"red\"/>",

@@ -18,7 +18,7 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         ("G1 X5\n".to_owned(), "d.svg:1: this is no whole SVG"),
         ("<html/>".to_owned(), "d.svg:1: its root is <html>, not <svg>"),
         (page(&format!("<path d=\"M0 0LNaN 1\" {stroke}/>")), "d.svg:2: <path>: d is `M0 0LNaN 1`: segment 2"),
-        (page(&format!("<path d=\"M0 0L1e30 1\" {stroke}/>")), "segment 2: 1000000000000000000000000000000 is beyond"),
+        (page(&format!("<path d=\"M0 0L1e30 1\" {stroke}/>")), "segment 2: 1e30 is beyond ±10000000"),
         (page(&format!("<path d=\"M0 0L5 5L\" {stroke}/>")), "d.svg:2: <path>: d is `M0 0L5 5L`: segment 3"),
         (page(&format!("<circle r=\"NaN\" {stroke}/>")), "d.svg:2: <circle>: r is `NaN`"),
         (page(&format!("<circle r=\"-5\" {stroke}/>")), "d.svg:2: <circle>: r is `-5`: it is below 0"),
@@ -158,4 +158,81 @@ fn what_is_wrong_has_a_reason_and_nothing_moves() {
         let (said, code) = beamtick(folder.path(), words);
         assert!(code == 2 && said.contains(says), "{words:?}: {said}");
     }
+}
+
+/// What the reader of SVG does not know, or applies otherwise than SVG says, has line and reason.
+#[test]
+fn what_would_be_passed_over_in_silence_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), machine(LAYERS)).unwrap();
+    let symbol = "<symbol id=\"q\" viewBox=\"0 0 10 10\"><path d=\"M4 4L6 6\" stroke=\"#f00\"/></symbol>";
+    let shown = |size: &str| format!("{symbol}\n<use href=\"#q\" {size}/>");
+    let styled = |style: &str| format!("{LINE}\n<style>\n{style}</style>");
+    let shape = |text: &str| format!("{LINE}\n<{text} stroke=\"#f00\"/>");
+    let whole = "d.svg:3: <use> of the symbol `q` has a width in %, which is not supported: give it in px or mm";
+    for (inside, says) in [
+        (shown("width=\"50%\" height=\"10\""), whole),
+        (shown("width=\"10\" height=\"50%\""), "has a height in %"),
+        (shown("x=\"10%\" width=\"10\" height=\"10\""), "has a x in %"),
+        (
+            shape("rect width=\"5\" height=\"5\" transform=\"rotate(9)\" transform-box=\"fill-box\""),
+            "d.svg:3: <rect>: transform-box is `fill-box`, which is not supported",
+        ),
+        (shape("path d=\"M0 0H5\" style=\"transform-box: fill-box\""), "d.svg:3: <path>: transform-box is `fill-box`"),
+        (styled("path { transform-box: fill-box }"), "d.svg:3: <style>: transform-box is `fill-box`"),
+        (styled("path:not(.x) { stroke: blue }"), "d.svg:3: <style>: the selector `path:not(.x)` is not supported"),
+        (styled(".a ~ path, .b { stroke: blue }"), "the selector `.a ~ path, .b` is not supported"),
+        (styled("g :nth-child(2) { stroke: blue }"), "the selector `g :nth-child(2)` is not supported"),
+        (styled(".a { stroke: blue } .b stroke: red }"), "`.b stroke: red }` is no whole rule"),
+        (styled(".a { stroke: blue } /* .b {}"), "`/* .b {}` is no whole rule"),
+        (
+            styled("@media screen { path { stroke: blue } }"),
+            "d.svg:3: <style>: `@media` is not supported: remove it, or write its rules without it",
+        ),
+        (styled("@charset \"a;b\"; path { stroke: blue }"), "d.svg:3: <style>: it is not understood"),
+        (styled("@import url(a.css); path { stroke: blue }"), "d.svg:3: <style>: `@import` is not supported"),
+        (styled(".a { --b: 1; stroke: blue }"), "d.svg:3: <style>: `--b: 1` cannot be read: remove it"),
+        (styled(".a { g { stroke: blue } }"), "d.svg:3: <style>: `g { stroke: blue }` cannot be read"),
+        (styled(".a { fill: none } <!-- --> path { stroke: blue }"), "d.svg:3: <style>: an XML comment cuts it"),
+        (
+            shape("path d=\"M0 0H5\" style=\"font:2px/3 a;stroke:blue\""),
+            "d.svg:3: <path>: `font:2px/3 a` in its style cannot be read: remove it",
+        ),
+        (
+            format!("{LINE}\n<style media=\"print\">path {{ stroke: blue }}</style>"),
+            "d.svg:3: <style>: media is `print`",
+        ),
+        (
+            shape("rect width=\"5\" height=\"5\" style=\"x: 9px\""),
+            "d.svg:3: <rect>: x in a style is not supported: make it an attribute",
+        ),
+        (shape("rect height=\"5\" style=\"width:9px\""), "d.svg:3: <rect>: width in a style is not supported"),
+        (shape("path style=\"d:path('M0 0H5')\""), "d.svg:3: <path>: d in a style is not supported"),
+        (shape("circle style=\"r: 9px\""), "d.svg:3: <circle>: r in a style is not supported"),
+        (styled("circle { r: 9px }"), "d.svg:3: <style>: r in a style sheet is not supported: make it an attribute"),
+        (shape("path d=\"M0 0L1e300 1\""), "segment 2: 1e300 is beyond ±10000000"),
+    ] {
+        let svg = page(&inside);
+        fs::write(folder.path().join("d.svg"), &svg).unwrap();
+        let (said, code) = beamtick(folder.path(), &["sim", "d.svg", "--machine", "m.toml", "--trace", "t.csv"]);
+        assert!(code == 2 && said.contains(says) && said.contains("nothing was run"), "{svg}: {code} {said}");
+        assert!(!folder.path().join("t.csv").exists(), "{svg}");
+    }
+    // What changes no marks, or is applied as SVG says.
+    for inside in [
+        shape("path d=\"M0 0\" style=\"stroke:blue;aspect-ratio:1/2\" transform-box=\"view-box\""),
+        styled("@charset \"a\"; @namespace url(b); @font-face { src: url(c); } @-webkit-keyframes d { to { r: 0 } }"),
+        styled(
+            "/* { */ path:hover { stroke: blue } g > .a + [b=\"},\"], #c:active /* ; */ { stroke: blue;; fill: none }",
+        ),
+        format!("{LINE}<style media=\"all\">.a {{ stroke: blue }}</style><style media=\" Screen, tv\"/>"),
+        format!("{LINE}<style type=\"text/x\">@media {{</style><style><![CDATA[.a {{ stroke: blue }}]]></style>"),
+        shape("path d=\"none\""),
+        shape("path d=\"\n none \" id=\"n\""),
+    ] {
+        let (said, code) = check(folder.path(), &page(&inside));
+        assert!(code == 0 && said.contains("marks of 1.414 mm"), "{inside}: {said}");
+    }
+    let (said, code) = check(folder.path(), &page(&shown("width=\"100%\" height=\"100%\"")));
+    assert!(code == 0 && said.contains("X 40.000 to 60.000, Y 40.000 to 60.000"), "{said}");
 }

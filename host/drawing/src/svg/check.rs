@@ -171,7 +171,8 @@ pub fn is_hidden(node: Node<'_, '_>, used: bool) -> bool {
 
 fn within(numbers: impl IntoIterator<Item = f64>) -> Result<(), String> {
     match numbers.into_iter().find(|number| !(-COORDINATE_MAX..=COORDINATE_MAX).contains(number)) {
-        Some(number) => Err(format!("{number} is beyond ±{COORDINATE_MAX:.0}")),
+        Some(number) if number.abs() < 1e9 => Err(format!("{number} is beyond ±{COORDINATE_MAX:.0}")),
+        Some(number) => Err(format!("{number:e} is beyond ±{COORDINATE_MAX:.0}")),
         None => Ok(()),
     }
 }

@@ -2,7 +2,8 @@
 //! are.
 //!
 //! In: the elements of a file. Out: its text with an `id` for each such shape, which says element
-//! and line; what a person calls it. Lines stay what they are. Fails never.
+//! and line, and with an empty `d` for a `d` of `none`, which `usvg` does not know; what a person
+//! calls it. Lines stay what they are. Fails never.
 use super::check::{SHAPES, SVG};
 use usvg::roxmltree::Document;
 
@@ -22,7 +23,7 @@ pub fn named(document: &Document<'_>) -> String {
     for node in document.root_element().descendants() {
         let tag = node.tag_name();
         let is_shape = tag.namespace() == Some(SVG) && (SHAPES.contains(&tag.name()) || GROUPS.contains(&tag.name()));
-        if !is_shape || node.has_attribute("id") {
+        if !is_shape {
             continue;
         }
         let start = node.range().start;
@@ -30,11 +31,18 @@ pub fn named(document: &Document<'_>) -> String {
         let Some(end) = begins.and_then(|rest| rest.find(|c: char| c.is_whitespace() || c == '>' || c == '/')) else {
             continue;
         };
-        line += text.get(counted..start).unwrap_or("").matches('\n').count();
-        counted = start;
-        named.push_str(text.get(from..start + end).unwrap_or(""));
-        named.push_str(&format!(" id=\"{MADE}{}:{line}\"", tag.name()));
-        from = start + end;
+        if !node.has_attribute("id") {
+            line += text.get(counted..start).unwrap_or("").matches('\n').count();
+            counted = start;
+            named.push_str(text.get(from..start + end).unwrap_or(""));
+            named.push_str(&format!(" id=\"{MADE}{}:{line}\"", tag.name()));
+            from = start + end;
+        }
+        if let Some(nothing) = node.attribute_node("d").filter(|d| d.value().trim() == "none") {
+            let value = nothing.range_value();
+            named.push_str(text.get(from..value.start).unwrap_or(""));
+            from = value.end;
+        }
     }
     named.push_str(text.get(from..).unwrap_or(""));
     named

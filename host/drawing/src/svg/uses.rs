@@ -1,7 +1,7 @@
 //! What `use` shows, where `usvg` says nothing or not where.
 //!
 //! In: the elements of a file. Out: a note about those that show nothing. Fails with the line of
-//! one that shows itself, or what another file has.
+//! one that shows itself, or what another file has, or a symbol at a size in %.
 use super::check::{SVG, is_hidden, quoted};
 use crate::fault::Fault;
 use std::collections::HashMap;
@@ -34,7 +34,16 @@ pub fn check(document: &Document<'_>) -> Result<Option<String>, Fault> {
         let id = target.strip_prefix('#');
         let found = id.and_then(|id| ids.get(id));
         targets.push(found.copied());
-        if found.is_some() || !is_drawn(*node) {
+        if !is_drawn(*node) {
+            continue;
+        }
+        if let Some(symbol) = found {
+            let name = format!("<use> of the symbol `{}`", quoted(id.unwrap_or("")));
+            let part = symbol.has_tag_name((SVG, "symbol")).then(|| percentage(*node)).flatten();
+            if let Some(key) = part {
+                let why = format!("{name} has a {key} in %, which is not supported: give it in px or mm");
+                return Err(Fault::at(line(*node), why));
+            }
             continue;
         }
         nothing.push(match id {
@@ -53,6 +62,19 @@ pub fn check(document: &Document<'_>) -> Result<Option<String>, Fault> {
     let Some((line, what)) = nothing.first() else { return Ok(None) };
     let more = if nothing.len() > 1 { format!(" (with it {} show nothing)", nothing.len()) } else { String::new() };
     Ok(Some(format!("the use of line {line} shows {what}{more}")))
+}
+
+/// What of the size of a `use` of a symbol is in parts of what is around it: `usvg` takes those
+/// twice, and x and y for the clip in parts of the size.
+fn percentage(node: Node<'_, '_>) -> Option<&'static str> {
+    let part = |key: &str| {
+        let value = node.attribute(key)?.trim().strip_suffix('%')?;
+        value.trim().parse::<f64>().ok()
+    };
+    let taken_twice = |key: &&str| part(key).is_some_and(|part| part != 100.0);
+    let off = |(key, size): &(&str, &str)| node.has_attribute(*size) && part(key).is_some_and(|part| part != 0.0);
+    let place = || [("x", "width"), ("y", "height")].into_iter().find(off).map(|(key, _)| key);
+    ["width", "height"].into_iter().find(taken_twice).or_else(place)
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -1,12 +1,12 @@
-//! What `usvg` complains of, which it says to a log only.
+//! What `usvg` and `simplecss` complain of, which they say to a log only.
 //!
-//! In: its log. Out: texts, of the thread that asked. Owns the program's logger, if nobody else
+//! In: the log. Out: texts, each once, of the thread that asked. Owns the program's logger, if nobody else
 //! does.
 use log::{LevelFilter, Log, Metadata, Record};
 use std::cell::RefCell;
 
 thread_local! {
-    static SAID: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+    static SAID: RefCell<Option<(&'static str, Vec<String>)>> = const { RefCell::new(None) };
 }
 
 /// More than these are not kept.
@@ -16,14 +16,16 @@ struct Listener;
 
 impl Log for Listener {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        metadata.target().starts_with("usvg")
+        SAID.with_borrow(|said| said.as_ref().is_some_and(|(of, _)| metadata.target().starts_with(of)))
     }
 
     fn log(&self, record: &Record<'_>) {
         if self.enabled(record.metadata()) {
             SAID.with_borrow_mut(|said| {
-                if let Some(said) = said.as_mut().filter(|said| said.len() < WARNINGS_MAX) {
-                    said.push(record.args().to_string().chars().take(160).collect());
+                let Some((_, said)) = said.as_mut().filter(|(_, said)| said.len() < WARNINGS_MAX) else { return };
+                let text: String = record.args().to_string().chars().take(160).collect();
+                if !said.contains(&text) {
+                    said.push(text);
                 }
             });
         }
@@ -32,12 +34,12 @@ impl Log for Listener {
     fn flush(&self) {}
 }
 
-/// Does `work`, and says what was complained of meanwhile.
-pub fn during<T>(work: impl FnOnce() -> T) -> (T, Vec<String>) {
+/// Does `work`, and says what the crate `of` complained of meanwhile.
+pub fn during<T>(of: &'static str, work: impl FnOnce() -> T) -> (T, Vec<String>) {
     // A second call finds the same logger.
     let _ = log::set_logger(&Listener);
     log::set_max_level(LevelFilter::Warn);
-    SAID.set(Some(Vec::new()));
+    SAID.set(Some((of, Vec::new())));
     let done = work();
-    (done, SAID.take().unwrap_or_default())
+    (done, SAID.take().map(|(_, said)| said).unwrap_or_default())
 }
