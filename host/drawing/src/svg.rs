@@ -170,10 +170,11 @@ impl Map {
         Map((Affine::new(outer.0) * Affine::new(self.0)).as_coeffs())
     }
 
-    /// The least rectangle around a path.
-    fn bounds(&self, elements: &[PathEl]) -> Rect {
+    /// The least rectangle around a path; none around one that draws nothing.
+    fn bounds(&self, elements: &[PathEl]) -> Option<Rect> {
         let mapped: Vec<PathEl> = elements.iter().map(|element| Affine::new(self.0) * *element).collect();
-        (&mapped[..]).bounding_box()
+        let is_drawn = mapped.iter().any(|element| !matches!(element, PathEl::MoveTo(_) | PathEl::ClosePath));
+        is_drawn.then(|| (&mapped[..]).bounding_box())
     }
 
     fn px(&self, [x, y]: Point) -> Point {
@@ -322,7 +323,7 @@ impl Found {
         if corners.into_iter().all(|corner| is_within(map.px(corner))) {
             return false;
         }
-        let bounds = map.bounds(elements);
+        let Some(bounds) = map.bounds(elements) else { return false };
         ![[bounds.x0, bounds.y0], [bounds.x1, bounds.y1]].into_iter().all(is_within)
     }
 

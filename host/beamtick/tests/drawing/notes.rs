@@ -220,8 +220,8 @@ fn symbols_are_marked_where_their_use_puts_them() {
     let (said, code) = check(folder.path(), &page(&format!("{long}{}", shown(moved))));
     assert!(code == 2 && said.contains("the use of line 2 is cut by a clip path"), "{said}");
     // A page around turned shapes cuts nothing: their corners would leave it, they do not.
-    let clip = "<clipPath id=\"c\"><path d=\"M0 0H100V100H0z\"/></clipPath>";
-    let circle = "<g transform=\"rotate(45 50 50)\"><circle cx=\"50\" cy=\"50\" r=\"49\" stroke=\"#f00\"/></g>";
+    let clip = "<clipPath id=\"c\"><path d=\"M0.5 0.5H100V100H0.5z\"/></clipPath>";
+    let circle = "<g transform=\"rotate(45 50 50)\"><circle cx=\"50\" cy=\"50\" r=\"49\" stroke=\"#f00\"/><path d=\"M50 50z\"/></g>";
     let (said, code) = check(folder.path(), &page(&format!("{clip}<g clip-path=\"url(#c)\">{circle}</g>")));
     assert!(code == 0 && said.contains("X 1.000 to 99.000") && !said.contains("leaves"), "{said}");
 }

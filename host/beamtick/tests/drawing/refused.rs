@@ -173,7 +173,7 @@ fn what_would_be_passed_over_in_silence_is_refused() {
     for (inside, says) in [
         (shown("width=\"50%\" height=\"10\""), whole),
         (shown("width=\"10\" height=\"50%\""), "has a height in %"),
-        (shown("x=\"10%\" width=\"10\" height=\"10\""), "has a x in %"),
+        (shown("x=\"10%\" width=\"10\" height=\"10\""), "has an x in %"),
         (
             shape("rect width=\"5\" height=\"5\" transform=\"rotate(9)\" transform-box=\"fill-box\""),
             "d.svg:3: <rect>: transform-box is `fill-box`, which is not supported",
@@ -189,7 +189,7 @@ fn what_would_be_passed_over_in_silence_is_refused() {
             styled("@media screen { path { stroke: blue } }"),
             "d.svg:3: <style>: `@media` is not supported: remove it, or write its rules without it",
         ),
-        (styled("@charset \"a;b\"; path { stroke: blue }"), "d.svg:3: <style>: it is not understood"),
+        (styled("@charset \"a;b\"; path { stroke: blue }"), "d.svg:3: <style>: a part of it is not understood"),
         (styled("@import url(a.css); path { stroke: blue }"), "d.svg:3: <style>: `@import` is not supported"),
         (styled(".a { --b: 1; stroke: blue }"), "d.svg:3: <style>: `--b: 1` cannot be read: remove it"),
         (styled(".a { g { stroke: blue } }"), "d.svg:3: <style>: `g { stroke: blue }` cannot be read"),

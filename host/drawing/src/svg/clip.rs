@@ -41,7 +41,7 @@ pub fn covers(clip: &ClipPath, group: &Group, map: &Map) -> bool {
 fn bounds(group: &Group, map: &Map) -> Option<Rect> {
     let each = group.children().iter().filter_map(|node| match node {
         Node::Group(inner) => bounds(inner, &Map::of(inner.transform()).within(map)),
-        Node::Path(path) => Some(map.bounds(&dashes::elements(path.data()))),
+        Node::Path(path) => map.bounds(&dashes::elements(path.data())),
         Node::Image(_) | Node::Text(_) => None,
     });
     each.reduce(|a, b| a.union(b))

@@ -24,13 +24,13 @@ pub fn check(document: &Document<'_>) -> Result<Option<String>, Fault> {
     let line = |node: Node<'_, '_>| document.text_pos_at(node.range().start).row;
     let is_svg = |node: &Node<'_, '_>| node.tag_name().namespace() == Some(SVG);
     let ids: HashSet<&str> = root.descendants().filter(is_svg).filter_map(|node| node.attribute("id")).collect();
-    // Of strokes: where, and what they name.
-    let mut nothing: Vec<(String, &str)> = Vec::new();
+    // Of strokes: a sheet or an element, and what they name.
+    let mut nothing: Vec<(Node<'_, '_>, &str)> = Vec::new();
     for node in root.descendants().filter(|node| is_sheet(*node)) {
         let fault = |why: String| Fault::at(line(node), format!("<style>: {why}"));
         for declaration in sheet(node).map_err(fault)? {
             if let Some(id) = unnamed(declaration.value, &ids).filter(|_| declaration.name == "stroke") {
-                nothing.push((format!("the style sheet of line {}", line(node)), id));
+                nothing.push((node, id));
             }
         }
     }
@@ -48,9 +48,11 @@ pub fn check(document: &Document<'_>) -> Result<Option<String>, Fault> {
         let fault = |why: String| Fault::at(line(node), format!("<{name}>: {why}"));
         styled(node).map_err(fault)?;
         let id = property(node, "stroke").and_then(|value| unnamed(value, &ids));
-        nothing.extend(id.map(|id| (format!("line {}", line(node)), id)));
+        nothing.extend(id.map(|id| (node, id)));
     }
-    let Some((place, id)) = nothing.first() else { return Ok(None) };
+    let Some((node, id)) = nothing.first() else { return Ok(None) };
+    let place = if is_sheet(*node) { "the style sheet of line" } else { "line" };
+    let place = format!("{place} {}", line(*node));
     let more = if nothing.len() > 1 { format!(" (with it {} strokes)", nothing.len()) } else { String::new() };
     Ok(Some(format!("the stroke of {place} names `#{}`, which does not exist, and is not marked{more}", quoted(id))))
 }
@@ -107,8 +109,8 @@ fn sheet<'a>(node: Node<'a, '_>) -> Result<Vec<Declaration<'a>>, String> {
         declared.extend(DeclarationTokenizer::from(block));
     }
     let (_, said) = warnings::during("simplecss", || StyleSheet::parse(read));
-    if let Some(why) = said.iter().find(|why| !why.starts_with("The @")) {
-        return Err(format!("it is not understood: {}", why.trim_end_matches('.')));
+    if said.iter().any(|why| !why.starts_with("The @")) {
+        return Err("a part of it is not understood: leave nothing but plain rules in it".to_owned());
     }
     for Declaration { name, value, .. } in &declared {
         if GEOMETRY.contains(name) {

@@ -41,7 +41,8 @@ pub fn check(document: &Document<'_>) -> Result<Option<String>, Fault> {
             let name = format!("<use> of the symbol `{}`", quoted(id.unwrap_or("")));
             let part = symbol.has_tag_name((SVG, "symbol")).then(|| percentage(*node)).flatten();
             if let Some(key) = part {
-                let why = format!("{name} has a {key} in %, which is not supported: give it in px or mm");
+                let article = if key == "x" { "an" } else { "a" };
+                let why = format!("{name} has {article} {key} in %, which is not supported: give it in px or mm");
                 return Err(Fault::at(line(*node), why));
             }
             continue;
