@@ -2,8 +2,8 @@
 //!
 //! In: the elements of a file. Out: notes about strokes that name nothing. Fails with the line of a
 //! `style` element or of the element, and the reason: rules and declarations that `simplecss` does
-//! not read, which is what `usvg` reads them with, properties that `usvg` does not apply, and sheets
-//! for other media.
+//! not read, with which `usvg` reads them, properties that `usvg` does not apply, and sheets for
+//! other media.
 use super::check::{SVG, is_hidden, property, quoted};
 use super::warnings;
 use crate::fault::Fault;

@@ -1,7 +1,7 @@
 //! What `usvg` and `simplecss` complain of, which they say to a log only.
 //!
-//! In: the log. Out: texts, each once, of the thread that asked. Owns the program's logger, if nobody else
-//! does.
+//! In: the log. Out: texts, each once, of the thread that asked. Owns the program's logger, if
+//! nobody else does.
 use log::{LevelFilter, Log, Metadata, Record};
 use std::cell::RefCell;
 
