@@ -207,7 +207,8 @@ pub fn ahead(script: Arc<Script>, folder: Folder) -> Receiver<Result<Part, Broke
     let (parts, taken) = sync_channel(AHEAD_PARTS);
     let failed = parts.clone();
     let compile = move || {
-        let _ = Parts::new(script.reader(), &folder, true).try_for_each(|part| parts.send(part));
+        let mut all = Parts::new(script.reader(), &folder, true);
+        while all.next().is_some_and(|part| parts.send(part).is_ok()) {}
     };
     if let Err(error) = thread::Builder::new().name("compile".to_owned()).spawn(compile) {
         let _ = failed.send(Err(Broken::Text(error)));

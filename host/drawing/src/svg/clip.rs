@@ -34,7 +34,13 @@ pub fn covers(clip: &ClipPath, group: &Group, map: &Map) -> bool {
     let level = same(a[1], b[1]) && same(b[0], c[0]) && same(c[1], d[1]) && same(d[0], a[0]);
     let upright = same(a[0], b[0]) && same(b[1], c[1]) && same(c[0], d[0]) && same(d[1], a[1]);
     let clip = Rect::from_points((a[0], a[1]), (c[0], c[1])).inflate(slack, slack);
-    (level || upright) && bounds(group, &Map::IDENTITY).is_none_or(|within| clip.contains_rect(within))
+    if !(level || upright) {
+        return false;
+    }
+    // A box of boxes, which is known, may be too large where something is turned.
+    let known = group.bounding_box();
+    let known = Rect::new(known.left().into(), known.top().into(), known.right().into(), known.bottom().into());
+    clip.contains_rect(known) || bounds(group, &Map::IDENTITY).is_none_or(|within| clip.contains_rect(within))
 }
 
 /// The least rectangle around what is in a group, whose map is `map`.
