@@ -107,6 +107,24 @@ const BY_HAND: &[ByHand] = &[
         "`beamtick info` over USB answers, with the module's own image. The bring-up image drives the Nucleo's pins alone",
     ),
     by(29, "USB of the module without VBUS", "the same"),
+    by(
+        35,
+        "the watchdog's time",
+        "hold the core by a debugger with WDGLSD1 of DBGMCU_APB4FZ1 cleared, light on: 90 to 110 ms from there to dark at \
+         energy −",
+    ),
+    by(
+        36,
+        "encoders",
+        "turn an encoder by a revolution and back: four counts a line, then 0; home by its index from both sides",
+    ),
+    by(37, "SPI3", "with the image for an external DAC, a scope at SCK: 32 MHz, 8 cycles a byte"),
+    by(
+        38,
+        "the external DAC",
+        "with its image, GT_SetDac of 0, 5 and 10 V on both channels, a voltmeter at the terminals",
+    ),
+    by(39, "endpoints of USB that are set again", "`bring-up --loads --soak 60` over CN13 with the board's own image"),
 ];
 
 const fn by(assumption: u8, what: &'static str, how: &'static str) -> ByHand {
