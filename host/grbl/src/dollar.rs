@@ -26,7 +26,11 @@ impl Session<'_> {
                 self.modes();
                 0
             }
-            "$C" if self.checks => return self.restart(),
+            "$C" if self.checks => {
+                self.tell("Disabled");
+                self.answer(0);
+                return self.restart();
+            }
             "$C" if alarmed || !stands => errors::NOT_IDLE,
             "$C" => {
                 self.checks = true;

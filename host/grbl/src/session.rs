@@ -465,7 +465,11 @@ impl<'a> Session<'a> {
             return self.dollar(trimmed);
         }
         if self.alarm.is_some() || self.jogs {
-            self.tell(if self.alarm.is_some() { UNLOCK } else { "a jog runs; 0x85 ends it, in the monitor space" });
+            self.tell(if self.alarm.is_some() {
+                UNLOCK
+            } else {
+                "a jog runs; 0x85 ends it (in the monitor the space bar)"
+            });
             self.answer(errors::LOCKED);
             return Ok(());
         }

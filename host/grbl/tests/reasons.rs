@@ -80,7 +80,7 @@ fn what_a_state_refuses_says_which_state() {
     sender.banner();
     sender.ok("$J=X200 F3000");
     sender.until(|status| status.state == "Jog");
-    all(&mut sender, &[("G0 X0", "a jog runs; 0x85 ends it, in the monitor space", "error:9")]);
+    all(&mut sender, &[("G0 X0", "a jog runs; 0x85 ends it (in the monitor the space bar)", "error:9")]);
     sender.send([0x85]);
     sender.idle();
     sender.send("G0 X301\n");

@@ -211,6 +211,34 @@ fn what_would_be_passed_over_in_silence_is_refused() {
         (shape("circle style=\"r: 9px\""), "d.svg:3: <circle>: r in a style is not supported"),
         (styled("circle { r: 9px }"), "d.svg:3: <style>: r in a style sheet is not supported: make it an attribute"),
         (shape("path d=\"M0 0L1e300 1\""), "segment 2: 1e300 is beyond ±10000000"),
+        (shown("width=\"0\" height=\"9\""), "d.svg:3: <use> of the symbol `q` has a width of 0 or less"),
+        (shown("width=\"9\" height=\"-5\""), "has a height of 0 or less"),
+        (
+            format!("{symbol}\n<symbol id=\"o\"><use href=\"#q\" width=\"9\"/></symbol><use href=\"#o\"/>"),
+            "d.svg:3: <use> of the symbol `q` in another symbol has no height of its own",
+        ),
+        (
+            format!("<symbol id=\"q\" height=\"9\">{LINE}</symbol>\n<use href=\"#q\" width=\"9\"/>"),
+            "d.svg:3: <use> of the symbol `q` has the height of that, which is not supported",
+        ),
+        (
+            format!("<symbol id=\"q\" transform=\"scale(2)\">{LINE}</symbol>\n<use href=\"#q\"/>"),
+            "d.svg:3: <use> of the symbol `q` has a transform in that, which is not supported",
+        ),
+        (
+            "<symbol id=\"q\" viewBox=\"0 0 9 9\">\n<path d=\"M0 0H5\"/><circle r=\"25%\"/></symbol><use href=\"#q\"/>"
+                .to_owned(),
+            "d.svg:3: <circle>: r in % within a symbol is not supported",
+        ),
+        (styled("rect { width: 30px }"), "d.svg:3: <style>: width in a style sheet is not supported"),
+        (styled(".a { STROKE: blue }"), "d.svg:3: <style>: `STROKE` has capitals, and is not read"),
+        (shape("path d=\"M0 0H5\" style=\"Stroke:blue\""), "d.svg:3: <path>: `Stroke` has capitals"),
+        (shape("path d=\"M0 0H5\" style=\"rotate:45deg\""), "d.svg:3: <path>: rotate in a style is not supported"),
+        (styled(".a { all: unset }"), "d.svg:3: <style>: all in a style is not supported"),
+        (
+            styled(".a { vector-effect: non-scaling-stroke; stroke-dasharray: 2 }"),
+            "d.svg:3: <style>: vector-effect in a style sheet, with dashes, is not supported",
+        ),
     ] {
         let svg = page(&inside);
         fs::write(folder.path().join("d.svg"), &svg).unwrap();
@@ -227,6 +255,13 @@ fn what_would_be_passed_over_in_silence_is_refused() {
         ),
         format!("{LINE}<style media=\"all\">.a {{ stroke: blue }}</style><style media=\" Screen, tv\"/>"),
         format!("{LINE}<style type=\"text/x\">@media {{</style><style><![CDATA[.a {{ stroke: blue }}]]></style>"),
+        styled("svg { width: 100%; height: auto; vector-effect: none }"),
+        styled("svg { font: 12px/1.4 sans-serif } .a { vector-effect: non-scaling-stroke; rotate: none }"),
+        shape("path d=\"M0 0\" transform=\"none\""),
+        // As Illustrator writes what other programs do not read.
+        format!(
+            "<switch><foreignObject requiredExtensions=\"a\" width=\"1\" height=\"1\"><a/></foreignObject><g>{LINE}</g></switch>"
+        ),
         shape("path d=\"none\""),
         shape("path d=\"\n none \" id=\"n\""),
     ] {

@@ -45,6 +45,11 @@ pub fn check(document: &Document<'_>) -> Result<(), Fault> {
                 return Err(Fault::at(line(), text));
             }
             "image" => return refused("an image cannot be marked: trace it, or remove it"),
+            // Programs put what is theirs into it, and for others the drawing after it.
+            "foreignObject" if node.parent_element().is_some_and(|around| around.has_tag_name((SVG, "switch"))) => {
+                hidden = Some(node);
+                continue;
+            }
             "foreignObject" => return refused("<foreignObject> is no drawing: remove it"),
             _ => {}
         }
@@ -52,7 +57,14 @@ pub fn check(document: &Document<'_>) -> Result<(), Fault> {
             let shown = quoted(value);
             Fault::at(line(), format!("<{name}>: {key} is `{shown}`: {why}"))
         };
-        if let Some(value) = node.attribute("transform") {
+        if (SHAPES.contains(&name) || ["use", "svg"].contains(&name))
+            && let Some(key) = LENGTHS.into_iter().chain(["y2"]).find(|key| is_part(node, key))
+            && node.ancestors().any(|around| around.has_tag_name((SVG, "symbol")) && around.has_attribute("viewBox"))
+        {
+            let text = format!("<{name}>: {key} in % within a symbol is not supported: give it in px or mm");
+            return Err(Fault::at(line(), text));
+        }
+        if let Some(value) = node.attribute("transform").filter(|value| value.trim() != "none") {
             let t = Transform::from_str(value).map_err(|error| wrong("transform", value, &error.to_string()))?;
             within([t.a, t.b, t.c, t.d, t.e, t.f]).map_err(|why| wrong("transform", value, &why))?;
         }
@@ -101,6 +113,11 @@ pub fn check(document: &Document<'_>) -> Result<(), Fault> {
         }
     }
     Ok(())
+}
+
+/// Whether a length is a part of what is around it.
+fn is_part(node: Node<'_, '_>, key: &str) -> bool {
+    node.attribute(key).is_some_and(|value| value.trim().ends_with('%'))
 }
 
 /// A text of the file in a message.

@@ -16,6 +16,8 @@ use usvg::roxmltree::{Document, Node};
 const HARMLESS: [&str; 5] = ["charset", "namespace", "font-face", "keyframes", "page"];
 /// Geometry that a style sheet may set.
 const GEOMETRY: [&str; 8] = ["d", "cx", "cy", "r", "rx", "ry", "x", "y"];
+/// Properties that move or change what is drawn, and that `usvg` does not apply.
+const UNAPPLIED: [&str; 6] = ["all", "offset-path", "rotate", "scale", "translate", "zoom"];
 
 /// # Errors
 /// See the module text.
@@ -26,9 +28,14 @@ pub fn check(document: &Document<'_>) -> Result<Option<String>, Fault> {
     let ids: HashSet<&str> = root.descendants().filter(is_svg).filter_map(|node| node.attribute("id")).collect();
     // Of strokes: a sheet or an element, and what they name.
     let mut nothing: Vec<(Node<'_, '_>, &str)> = Vec::new();
+    let dashed = document.input_text().contains("stroke-dasharray");
     for node in root.descendants().filter(|node| is_sheet(*node)) {
         let fault = |why: String| Fault::at(line(node), format!("<style>: {why}"));
         for declaration in sheet(node).map_err(fault)? {
+            if dashed && declaration.name == "vector-effect" && declaration.value != "none" {
+                let why = "vector-effect in a style sheet, with dashes, is not supported: remove it";
+                return Err(fault(why.to_owned()));
+            }
             if let Some(id) = unnamed(declaration.value, &ids).filter(|_| declaration.name == "stroke") {
                 nothing.push((node, id));
             }
@@ -113,10 +120,11 @@ fn sheet<'a>(node: Node<'a, '_>) -> Result<Vec<Declaration<'a>>, String> {
         return Err("a part of it is not understood: leave nothing but plain rules in it".to_owned());
     }
     for Declaration { name, value, .. } in &declared {
-        if GEOMETRY.contains(name) {
+        let is_size = ["width", "height"].contains(name) && !["100%", "auto"].contains(value);
+        if is_size || GEOMETRY.contains(name) {
             return Err(format!("{name} in a style sheet is not supported: make it an attribute"));
         }
-        box_of(name, value)?;
+        applied(name, value)?;
     }
     Ok(declared)
 }
@@ -139,10 +147,25 @@ fn styled(node: Node<'_, '_>) -> Result<(), String> {
         "use" => &["x", "y", "width", "height"],
         _ => &[],
     };
-    match DeclarationTokenizer::from(style).find(|one| geometry.contains(&one.name)) {
-        Some(one) => Err(format!("{} in a style is not supported: make it an attribute", one.name)),
-        None => Ok(()),
+    for Declaration { name, value, .. } in DeclarationTokenizer::from(style) {
+        if geometry.contains(&name) {
+            return Err(format!("{name} in a style is not supported: make it an attribute"));
+        }
+        applied(name, value)?;
     }
+    Ok(())
+}
+
+/// Whether `usvg` does what a declaration says.
+fn applied(name: &str, value: &str) -> Result<(), String> {
+    if name.bytes().any(|byte| byte.is_ascii_uppercase()) {
+        return Err(format!("`{}` has capitals, and is not read: write it in small letters", quoted(name)));
+    }
+    let is_none = name != "all" && ["none", "normal", "initial", "unset"].contains(&value);
+    if UNAPPLIED.contains(&name) && !is_none {
+        return Err(format!("{name} in a style is not supported: apply it, or remove it"));
+    }
+    box_of(name, value)
 }
 
 /// Transforms are those of the page here.

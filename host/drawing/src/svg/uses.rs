@@ -2,9 +2,10 @@
 //!
 //! In: the elements of a file. Out: a note about those that show nothing. Fails with the line of
 //! one that shows itself, or what another file has, or a symbol at a size in %.
-use super::check::{SVG, is_hidden, quoted};
+use super::check::{SVG, is_hidden, property, quoted};
 use crate::fault::Fault;
 use std::collections::HashMap;
+use std::str::FromStr;
 use usvg::roxmltree::{Document, Node};
 
 const XLINK: &str = "http://www.w3.org/1999/xlink";
@@ -45,6 +46,11 @@ pub fn check(document: &Document<'_>) -> Result<Option<String>, Fault> {
                 let why = format!("{name} has {article} {key} in %, which is not supported: give it in px or mm");
                 return Err(Fault::at(line(*node), why));
             }
+            if symbol.has_tag_name((SVG, "symbol"))
+                && let Some(why) = passed_over(*node, *symbol)
+            {
+                return Err(Fault::at(line(*node), format!("{name} {why}")));
+            }
             continue;
         }
         nothing.push(match id {
@@ -76,6 +82,28 @@ fn percentage(node: Node<'_, '_>) -> Option<&'static str> {
     let off = |(key, size): &(&str, &str)| node.has_attribute(*size) && part(key).is_some_and(|part| part != 0.0);
     let place = || [("x", "width"), ("y", "height")].into_iter().find(off).map(|(key, _)| key);
     ["width", "height"].into_iter().find(taken_twice).or_else(place)
+}
+
+/// What else of a `use` of a symbol, or of that, `usvg` passes over.
+fn passed_over(node: Node<'_, '_>, symbol: Node<'_, '_>) -> Option<String> {
+    let is_number = |value: &str| value.trim().starts_with(|first: char| "+-.0123456789".contains(first));
+    let size = |of: Node<'_, '_>, key: &str| of.attribute(key).map(str::to_owned).filter(|value| is_number(value));
+    let is_nested = node.ancestors().skip(1).any(|around| around.has_tag_name((SVG, "symbol")));
+    for key in ["width", "height"] {
+        let own = size(node, key);
+        let number = own.as_deref().and_then(|value| svgtypes::Length::from_str(value.trim()).ok());
+        if number.is_some_and(|length| length.number <= 0.0) {
+            return Some(format!("has a {key} of 0 or less, and is not drawn: remove it"));
+        }
+        if is_nested && own.as_ref().is_none_or(|value| value.trim().ends_with('%')) {
+            return Some(format!("in another symbol has no {key} of its own: give it one in px or mm"));
+        }
+        if own.is_none() && size(symbol, key).is_some_and(|value| value.trim() != "100%") {
+            return Some(format!("has the {key} of that, which is not supported: give it one of its own"));
+        }
+    }
+    let moved = property(symbol, "transform").is_some_and(|value| value.trim() != "none");
+    moved.then(|| "has a transform in that, which is not supported: put it on the use".to_owned())
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
