@@ -421,14 +421,14 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Ends the jog, and those that wait. Whether there was one.
+    /// Ends the jog, and those that wait. Whether there was one, and nothing else that moves.
     fn cancel_jog(&mut self) -> Result<bool, Error> {
         let waited = self.drop_jogs();
         if self.jogs && self.settles.is_none() {
             self.feed.hold()?;
             self.settle(After::Jog);
         }
-        Ok(waited || self.jogs)
+        Ok(self.jogs || waited && self.feed.idle())
     }
 
     /// Jogs whose lines have come and that no other line comes before: answered, and not run. They
