@@ -14,7 +14,6 @@ const OUTPUTS: &[&str] = &["-p", "beamtick-grbl", "--test", "protocol", "--", "o
 
 const PROGRAM_END: &str = "dispatcher/src/program/end.rs";
 const FEEDER: &str = "host/grbl/src/feeder.rs";
-const SESSION: &str = "host/grbl/src/session.rs";
 
 /// Those of one crate together.
 pub const FRONT_ENDS: &[Mutant] = &[
@@ -60,10 +59,16 @@ pub const FRONT_ENDS: &[Mutant] = &[
         "self.dark = 0;",
         SWITCH,
     ),
-    mutant("found: a door in a jog is lost", SESSION, "self.held = self.door;", "self.held = false;", DOOR),
+    mutant(
+        "found: a door in a jog is lost",
+        "host/grbl/src/session.rs",
+        "self.held = self.door;",
+        "self.held = false;",
+        DOOR,
+    ),
     mutant(
         "found: a jog that comes with its end is run",
-        SESSION,
+        "host/grbl/src/session/jogs.rs",
         "let waited = self.drop_jogs();",
         "let waited = false;",
         JOG,
