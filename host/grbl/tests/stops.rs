@@ -80,7 +80,7 @@ fn a_door_in_a_jog_holds_what_follows() {
     sender.banner();
     // In the middle of it, as it is being ended, and with jogs that wait.
     for bytes in [&[0x84][..], &[0x85, 0x84], b"$J=G90 X150 F600\n\x84", b"!\x84"] {
-        sender.ok("$J=G90 X200 F6000");
+        sender.ok("$J=G90 X200 F1200");
         sender.until(|status| status.state == "Jog" && status.at[0] > 5.0);
         sender.send(bytes);
         if bytes.len() > 2 {
@@ -122,7 +122,7 @@ fn a_jog_that_comes_with_its_end_is_not_run() {
         assert_eq!(sender.answer(), ["ok"]);
         assert_eq!((sender.status().state.as_str(), rig.at()), ("Idle", [0.0, 0.0]));
         // The same while another runs.
-        sender.ok("$J=X100 F6000");
+        sender.ok("$J=X100 F1200");
         sender.until(|status| status.at[0] > 5.0);
         sender.send([b"$J=X250 F6000\r\n$j = X260F6000\n", end].concat());
         for _ in 0..3 {

@@ -110,8 +110,7 @@ const BY_HAND: &[ByHand] = &[
     by(
         35,
         "the watchdog's time",
-        "hold the core by a debugger with WDGLSD1 of DBGMCU_APB4FZ1 cleared, light on: 90 to 110 ms from there to dark at \
-         energy −",
+        "hold the core by a debugger with WDGLSD1 of DBGMCU_APB4FZ1 cleared: 90 to 110 ms from there to the pulse at NRST",
     ),
     by(
         36,
