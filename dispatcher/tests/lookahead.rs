@@ -3,6 +3,7 @@
 //! Paths run through servo's own evaluator; limits are checked on its output.
 //! `host-tests/tests/look_ahead.rs` compares the time of long ones with an optimum.
 
+mod goes_on;
 mod rounding;
 mod steps;
 

@@ -14,6 +14,7 @@
 //! On an arc three accelerations are added as if they had one direction: the one along it, v²/R,
 //! and that of a corner at its end. Their sum stays inside a polygon within the circle of the
 //! lowest limit. velEnd of the calls is not used, except through the waits between them.
+//! Speeds leave each motion a part of its acceleration, for going on after a Stop.
 //!
 //! **The plan.** Backwards from a stop at the end of the queue: at each junction the square of the
 //! highest speed from which all that follows can be kept (`reachable.rs`). Forwards: as fast as
@@ -36,7 +37,7 @@ use heapless::Vec;
 use junction::{Junction, LastMotion, STANDSTILL};
 use libm::{fabs, sqrt};
 pub(crate) use reachable::rounded_down;
-use reachable::{BOUNDS_MAX, Bound, ChosenMotion, Corner, EndSpeed, Span, Steps};
+use reachable::{ARC_SQUARE_SHARE, BOUNDS_MAX, Bound, ChosenMotion, Corner, EndSpeed, Span, Steps};
 use rounding::Chords;
 use servo::path::{MotionSpeeds, PathEntry, Plane};
 
@@ -74,7 +75,7 @@ impl Limits {
             |axes: [usize; 2]| axes.iter().filter_map(|axis| hardest.get(*axis)).copied().fold(f64::INFINITY, f64::min);
         let round = geometry.round.map(|(radius, axes)| (radius, least(axes)));
         if let Some((radius, limit)) = round {
-            vel = vel.min(sqrt(radius * limit));
+            vel = vel.min(sqrt(radius * limit * ARC_SQUARE_SHARE));
         }
         (vel, acc, round)
     }
@@ -541,7 +542,7 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
             end = end.min(span.least(self.begin).max(most));
         }
         let ends = [self.begin, end].map(EndSpeed::of);
-        let ChosenMotion { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel, motion.acc.into());
+        let ChosenMotion { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel);
         let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), ends[1].speed].map(f64::to_bits);
         let along = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok()?.with_ramp(ramp);
         let others = motion.others;

@@ -239,6 +239,13 @@ pub const LIST: &[Mutant] = &[
         LOOK_AHEAD,
     ),
     mutant(
+        "look-ahead: speeds leave no acceleration to go on with",
+        "dispatcher/src/plan/look_ahead/reachable.rs",
+        "const RESERVE_SHARE: f64 = 1.0 / 16.0;",
+        "const RESERVE_SHARE: f64 = 0.0;",
+        LOOK_AHEAD,
+    ),
+    mutant(
         "look-ahead: an axis's speed is not limited",
         AHEAD,
         "vel = vel.min(most / share);",
