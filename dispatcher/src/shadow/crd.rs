@@ -254,8 +254,8 @@ pub struct CrdShadow {
     pub started: Option<u32>,
     /// The last start, until the tick is done with it.
     pub busy: Option<u32>,
-    /// It got a Stop since.
-    pub stopped: bool,
+    /// The last Stop that it got since; 0 is none.
+    pub stop: u32,
     /// The FIFO of that start got data since. The path may have ended before it.
     pub fed: bool,
     /// That start has not been executed, and what follows it acts also where the tick refuses it.
@@ -296,7 +296,10 @@ impl CrdShadow {
     }
     /// Whether a Stop that has not been executed may leave it stopped within its data.
     pub fn may_be_stopped<const AXES: usize>(&self, view: &View<AXES>) -> bool {
-        self.stopped && is_in_flight(view, self.last)
+        self.stopped() && !executed(view, self.stop)
+    }
+    fn stopped(&self) -> bool {
+        self.stop != 0
     }
     /// Whether the tick itself may still be at work for an earlier start.
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
@@ -345,7 +348,7 @@ impl CrdShadow {
     /// The path moves beside a FIFO, or is renamed.
     fn leave(&mut self, fifo: u8, seq: u32) {
         // Else a view has shown what is over.
-        let within = fifo == self.fifo && self.busy.is_some() && (self.stopped || self.fed || self.may_fail);
+        let within = fifo == self.fifo && self.busy.is_some() && (self.stopped() || self.fed || self.may_fail);
         let path = self.path_mut(fifo);
         path.left |= path.data.open && within;
         if path.data.open {
@@ -377,6 +380,9 @@ impl CrdShadow {
     /// Calls `young` with every entry number.
     pub(super) fn renew_numbers(&mut self, young: &mut impl FnMut(&mut u32)) {
         [&mut self.started, &mut self.busy, &mut self.last].into_iter().flatten().for_each(&mut *young);
+        if self.stopped() {
+            young(&mut self.stop);
+        }
         self.fifos
             .iter_mut()
             .flat_map(|path| [&mut path.emptied, &mut path.last, &mut path.passed])
@@ -431,7 +437,7 @@ impl CrdShadow {
                 }
                 self.leave(fifo ^ 1, seq);
                 (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
-                (self.stopped, self.fed, self.may_fail) = (false, false, may_fail);
+                (self.stop, self.fed, self.may_fail) = (0, false, may_fail);
             }
             CrdChange::Placed => {
                 self.here = None;
@@ -439,10 +445,11 @@ impl CrdShadow {
             }
             // One that is at standstill is not stopped within its data. A Stop beside the program
             // may come before a wait of the program.
-            CrdChange::Stopped if seq & PROGRAM_FLAG != 0 => self.stopped |= self.started.is_some(),
-            CrdChange::Stopped => self.stopped |= self.busy.is_some(),
+            CrdChange::Stopped if seq & PROGRAM_FLAG != 0 && self.started.is_none() => {}
+            CrdChange::Stopped if self.busy.is_some() => self.stop = seq,
+            CrdChange::Stopped => {}
             CrdChange::Standstill => {
-                let ended = self.started.is_some() && !self.stopped && !self.fed && !self.may_fail;
+                let ended = self.started.is_some() && !self.stopped() && !self.fed && !self.may_fail;
                 self.started = None;
                 if ended {
                     let path = self.path_mut(self.fifo);
@@ -500,7 +507,7 @@ impl CrdShadow {
             return;
         }
         if quiet {
-            (self.here, self.last, self.stopped) = (None, None, false);
+            (self.here, self.last, self.stop) = (None, None, 0);
         }
         for ((((path, cleared), released), motions), fifo) in
             self.fifos.iter_mut().zip(sampled.cleared).zip(sampled.released).zip(sampled.done).zip(0u8..)

@@ -321,3 +321,19 @@ fn light_after_a_map_after_a_stop_at_standstill() {
         agrees(250, &calls);
     }
 }
+
+/// An Abort and a Stop of one instant: a slave that had not braked yet told the Stop.
+#[test]
+fn a_slave_that_two_stops_meet() {
+    let stop = Call::Stop { mask: 3, abrupt: 0 };
+    for (first, second) in [(Call::Abort { core: 1 }, stop.clone()), (stop, Call::Abort { core: 1 })] {
+        let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1)];
+        calls.extend([plain(Kind::PrfJog, 0), Call::SetJogPrm { axis: 0, acc: 1.0, dec: 1.0 }]);
+        calls.extend([Call::SetVel { axis: 0, vel: 5.3 }, ex(Call::PrfFollow { axis: 1, dir: 0 })]);
+        calls.extend([ex(Call::SetFollowMaster { axis: 1, master: 0, kind: 2, item: 0 })]);
+        calls.extend([segment(1, 900.0, 900.0, 0, 0), ex(Call::FollowStart { mask: 2, option: 0 })]);
+        calls.extend([Call::Update { mask: 1 }, Call::Sleep { ns: 9 * MS }, first, second]);
+        calls.extend([Call::WaitStop { mask: 3 }, plain(Kind::GetStopReason, 0), plain(Kind::GetStopReason, 1)]);
+        agrees(250, &calls);
+    }
+}

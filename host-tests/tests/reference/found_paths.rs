@@ -459,3 +459,24 @@ fn an_arc_after_a_rename_is_on_time() {
     calls.extend([Call::SetVel { axis: 2, vel: 3.0 }, Call::Update { mask: 4 }, Call::Sleep { ns: 3 * MS }]);
     agrees(250, &calls);
 }
+
+/// A Stop and a rename at standstill kept a coordinate system in a laser's map, in a program that
+/// passes over what is refused; in others SetLaserCrdMap was late.
+#[test]
+fn a_map_after_a_stop_and_a_rename() {
+    let map = Call::Light(LightCall { channel: 0, what: LightOf::Map(0) });
+    let go = path(Path::Start { mask: 1, option: 0 });
+    for begin in [line(vec![13, 29]), path(Path::Delay { crd: 1, ms: 0, fifo: 0 })] {
+        for stop in [2, 30] {
+            let mut calls =
+                vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None), begin.clone(), go.clone()];
+            calls.extend([
+                Call::Sleep { ns: stop * MS },
+                Call::Stop { mask: 1, abrupt: 0 },
+                Call::Sleep { ns: 20 * MS },
+            ]);
+            calls.extend([Call::SetPrfPos { axis: 0, pos: 229 }, map.clone(), Call::Sleep { ns: MS }]);
+            agrees(250, &calls);
+        }
+    }
+}

@@ -113,7 +113,7 @@ impl AxisState {
             return self.halt(next, reason);
         }
         if let Some(follower) = self.profile.follower_mut() {
-            follower.braking = Some(reason);
+            follower.braking = follower.braking.or(Some(reason));
             return;
         }
         let (from, runs) = self.moving(next, source);
