@@ -5,7 +5,7 @@
 const SMALL: bool = cfg!(feature = "small");
 
 /// Motions that a look-ahead plans; the entries between them do not count.
-pub const LOOK_AHEAD_MOTIONS: usize = if SMALL { 32 } else { 512 };
+pub const LOOK_AHEAD_MOTIONS: usize = if SMALL { 32 } else { 1024 };
 /// Motions of which it keeps steps of its plans: all or none. Boards have no memory for them.
 pub const LOOK_AHEAD_STEPS: usize = if cfg!(target_os = "none") { 0 } else { LOOK_AHEAD_MOTIONS };
 /// Motions that a look-ahead remembers to tell rounding from a turn.

@@ -71,8 +71,8 @@ fn finish(bench: &mut Bench<8>, begun: u64) -> f64 {
     (bench.now().0 - begun) as f64 / 1e6
 }
 
-/// No flush is needed: waiting entries come in time and the path stops at its end. A flush changes
-/// nothing.
+/// No flush is needed: waiting entries come in time and the path stops at its end. A flush says that
+/// this is the end, so that the last corners are known: it may be quicker there.
 #[test]
 fn a_path_needs_no_flush() {
     let points = spiral(200);
@@ -94,9 +94,9 @@ fn a_path_needs_no_flush() {
         let reported = bench.done(CrdInfo { core: 1.into(), crd: 1.into() });
         assert_eq!(({ reported.path_stop }, { reported.reason }.get()), (1, 1), "completed");
     }
-    assert_eq!(took[0], took[1]);
     let ideal = ideal([0, 0], &points);
     assert!((took[0] - ideal).abs() < 1.0, "{took:?} {ideal}");
+    assert!(took[1] <= took[0] && took[1] > took[0] - 2.0, "{took:?}");
 }
 
 /// Entries after a long motion are kept back until they are needed: data given meanwhile raises its

@@ -38,6 +38,7 @@ pub static TRACE: Ring<Sample, TRACE_SAMPLES> = Ring::new();
 pub static STORES: [SegmentStore; AXES] = [const { SegmentStore::new() }; AXES];
 /// Thread to tick: points of PVT tables, a store a table.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".tables"))]
+#[cfg_attr(not(feature = "stm32h743"), unsafe(link_section = ".psram"))]
 pub static POINTS: [PointStore; TABLES] = [const { PointStore::new() }; TABLES];
 /// Thread to tick: their headers.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".dma.headers"))]

@@ -20,6 +20,7 @@ use host_tests::laser_model::Family;
 use host_tests::optimum::{Limits, Point, Turn, plan};
 use machine::Machine;
 use protocol::command::{CrdSpace, LnXYMany, PathXY};
+use std::f64::consts::TAU;
 use std::time::Duration;
 
 const TICK_US: u64 = 50;
@@ -82,14 +83,15 @@ struct Ran {
     ms: f64,
 }
 
-/// Feeds the points; before every `every`th batch the host stalls.
-fn run(points: &[Point], every: usize, stall: Duration) -> Ran {
+/// Feeds the points; before every `every`th batch the host stalls. Up to `motions` wait in the
+/// look-ahead.
+fn run(points: &[Point], limits: &Limits, motions: u16, every: usize, stall: Duration) -> Ran {
     let machine = Machine::new(Family::Gus, TICK_US as i64 * 1000).traced(0b11, 0);
-    let Limits { speed, acc, axis_speed, axis_acc, corner } = LIMITS;
+    let Limits { speed, acc, axis_speed, axis_acc, corner } = *limits;
     machine.run(&format!(
         "TCrdPrm crd;memset(&crd,0,sizeof(crd));\nGT_AxisOn(1);\nGT_AxisOn(2);\nGT_LmtsOff(1);\nGT_LmtsOff(2);\ncrd.dimension=2;\ncrd.profile[0]=1;\ncrd.profile[1]=2;\n\
          crd.synVelMax={speed:?};\ncrd.synAccMax={acc:?};\nGT_SetCrdPrm(1,&crd);\nGT_CrdClear(1,0);\n\
-         GT_SetCrdLimit(1,1,{:?},{:?});\nGT_SetCrdLimit(1,2,{:?},{:?});\nGT_InitLookAhead(1,0,{corner:?},{:?},200);\n",
+         GT_SetCrdLimit(1,1,{:?},{:?});\nGT_SetCrdLimit(1,2,{:?},{:?});\nGT_InitLookAhead(1,0,{corner:?},{:?},{motions});\n",
         axis_speed[0], axis_acc[0], axis_speed[1], axis_acc[1], axis_acc[0].max(axis_acc[1])
     ));
     machine.trace();
@@ -145,7 +147,7 @@ fn run(points: &[Point], every: usize, stall: Duration) -> Ran {
     let place = |row: &trace::Row| [0, 1].map(|axis: usize| row.axes[axis].pos.0 as f64 / f64::from(1 << 22));
     let places: Vec<Point> = rows.iter().map(place).collect();
     let first = places.iter().position(|place| *place != [0.0, 0.0]).unwrap() - 1;
-    let last = places.iter().position(|place| *place == end).unwrap();
+    let last = places.iter().rposition(|place| *place != end).unwrap() + 1;
     let ms = (last - first) as f64 * TICK_US as f64 / 1000.0;
     Ran { places: places[first..=last].to_vec(), ms }
 }
@@ -271,8 +273,8 @@ fn shares(points: &[Point], places: &[Point]) -> Shares {
 fn judge(name: &str, exact: &[Point]) {
     let points: Vec<Point> = exact.iter().map(|point| point.map(f64::round)).collect();
     let points = &*points;
-    let free = run(points, usize::MAX, Duration::ZERO);
-    let stalled = run(points, 3, Duration::from_millis(50));
+    let free = run(points, &LIMITS, 200, usize::MAX, Duration::ZERO);
+    let stalled = run(points, &LIMITS, 200, 3, Duration::from_millis(50));
     let above = |turns| (free.ms / plan(exact, &LIMITS, turns).1 - 1.0) * 100.0;
     let [adds, signed, after_only] = [Turn::Adds, Turn::Signed, Turn::AfterOnly].map(above);
     let shares = shares(points, &free.places);
@@ -307,4 +309,50 @@ fn a_spiral() {
 #[test]
 fn sharp_corners() {
     judge("corners", &corners());
+}
+
+/// Points of a curve from t = 0 to 1, in so many lines; the first is the origin.
+fn lines(count: usize, curve: impl Fn(f64) -> Point) -> Vec<Point> {
+    let [x, y] = curve(0.0);
+    let at = |n| curve(n as f64 / count as f64);
+    (0..=count).map(at).map(|point| [point[0] - x, point[1] - y]).collect()
+}
+
+fn circle(radius: f64, turns: f64, count: usize) -> Vec<Point> {
+    lines(count, |t| [radius * (TAU * turns * t).cos(), radius * (TAU * turns * t).sin()])
+}
+
+/// A window as deep as the FIFO: fine contours are as quick as coarse ones. Closed forms where the
+/// path is at its speed nearly everywhere, else the computed optimum.
+#[test]
+fn contours_are_within_2_percent_of_their_optimum() {
+    let free = |acc: f64, corner: f64| Limits { speed: 200.0, acc, axis_speed: [200.0; 2], axis_acc: [acc; 2], corner };
+    let (fast, slow) = (free(4.0, 2.0), free(1.0, 5.0));
+    let spiral = |t: f64| {
+        let radius = 1_000.0 + 19_000.0 * t;
+        [radius * (t * 16.0 * TAU).cos(), radius * (t * 16.0 * TAU).sin()]
+    };
+    let side = 20_000.0;
+    let square = vec![[0.0, 0.0], [side, 0.0], [side, side], [0.0, side], [0.0, 0.0]];
+    // A ramp to 200 pulse/ms takes 50 ms over 5,000 pulses, one from a corner's 8 pulse/ms 48 ms
+    // over 4,992.
+    let sides = 2.0 * ((side - 9_992.0) / 200.0 + 98.0) + 2.0 * ((side - 9_984.0) / 200.0 + 96.0);
+    // At 200 pulse/ms all round; half a ramp more at each end.
+    let (round, quarter) = (TAU * side / 200.0 + 50.0, TAU * 25_000.0 / 200.0 + 200.0);
+    for (name, points, limits, exact) in [
+        ("square", square, fast, Some(sides)),
+        ("circle in 360 lines", circle(side, 1.0, 360), fast, Some(round)),
+        ("circle in 3,600 lines", circle(side, 1.0, 3_600), fast, Some(round)),
+        ("quarter circle in lines of 100", circle(100_000.0, 0.25, 1_570), slow, Some(quarter)),
+        ("quarter circle in lines of 30", circle(100_000.0, 0.25, 5_236), slow, Some(quarter)),
+        ("spiral of 10,000 lines", lines(10_000, spiral), fast, None),
+    ] {
+        let whole: Vec<Point> = points.iter().map(|point| point.map(f64::round)).collect();
+        let ms = run(&whole, &limits, 1024, usize::MAX, Duration::ZERO).ms;
+        let best = exact.unwrap_or_else(|| plan(&points, &limits, Turn::Signed).1);
+        let above = (ms / best - 1.0) * 100.0;
+        println!("{name}: {} lines, {ms:.2} ms, {above:.2} % above {best:.2}", points.len() - 1);
+        let most = if exact.is_some() { 0.1 } else { 2.0 };
+        assert!(above <= most && above > -0.1, "{name}: {ms} {best}");
+    }
 }

@@ -189,7 +189,7 @@ fn startable<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> 
         }
         context.at_standstill(axis)?;
     }
-    if !context.crd_shadow(crd).path(fifo).data.open {
+    if !context.crd_shadow(crd).path(fifo).data.is_open() {
         return Err(context.no_crd(Reason::CrdEmpty, crd).field(2).got(fifo.into()));
     }
     context.all_startable(frame.mask())
@@ -279,7 +279,7 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
         let corner = real(3, r.time_ms.get(), 0.0, VALUE_MAX)?;
         Some(LookAheadSettings { corner, acc: between(4, r.acc_max.get())?, count })
     };
-    if context.crd_shadow(crd).path(fifo).data.open {
+    if context.crd_shadow(crd).path(fifo).data.is_open() {
         return Err(context.no_crd(Reason::CrdHolds, crd).field(2).got(fifo.into()));
     }
     context.only(TickCommand::Mark, ShadowChange::Crd { crd, change: CrdChange::Look { fifo, look } })
@@ -303,7 +303,7 @@ pub fn query(opcode: u16, crd: Crd, which: u8) -> Answer {
 /// Whether only the tick knows how much of a FIFO is over.
 fn may_go_on<const AXES: usize>(context: &Context<AXES>, crd: Crd, fifo: u8) -> bool {
     let (shadow, sampled) = (context.crd_shadow(crd), context.crd_sampled(crd));
-    shadow.path(fifo).data.open && (context.crd_may_run(crd) || shadow.is_busy(context.view, sampled))
+    shadow.path(fifo).data.is_open() && (context.crd_may_run(crd) || shadow.is_busy(context.view, sampled))
 }
 
 /// The shadow state decides: what is given after it at its instant does not count. Only of a FIFO
@@ -325,7 +325,7 @@ pub fn remainder<const AXES: usize>(context: &mut Context<AXES>, r: &GetRemainde
         return Ok(query(opcode::GetRemainderSegNum, crd, fifo));
     }
     let shadow = context.crd_shadow(crd);
-    let left = if shadow.path(fifo).data.open { shadow.segments(context.crd_sampled(crd), fifo).1 } else { 0 };
+    let left = if shadow.path(fifo).data.is_open() { shadow.segments(context.crd_sampled(crd), fifo).1 } else { 0 };
     Ok(Answer::Long(i32::try_from(left).unwrap_or(i32::MAX)))
 }
 

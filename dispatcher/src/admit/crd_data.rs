@@ -254,7 +254,7 @@ impl CrdFifoWrite<'_> {
 
     /// Highest speed of the path where the next motion begins.
     fn enters(&self, data: &PathData) -> f64 {
-        if data.open && self.path.look.is_none() { data.leaves.into() } else { 0.0 }
+        if data.is_open() && self.path.look.is_none() { data.leaves.into() } else { 0.0 }
     }
 
     /// Highest speed at the end of a motion of this length: velEnd, or what braking leaves. If
@@ -281,8 +281,12 @@ impl CrdFifoWrite<'_> {
     /// its own is left out.
     fn motion(&self, geometry: Geometry, stops: bool, speeds: LimitedSpeeds, data: &mut PathData) -> Option<Queued> {
         let LimitedSpeeds { vel, acc, end, along } = speeds;
+        let short = is_short(self.enters(data), acc, geometry.length);
         data.leaves = self.leaves(data, geometry.length, acc, end);
         data.add_motion(geometry.end, geometry.sets() | self.undriven());
+        if short {
+            data.end_short();
+        }
         if self.path.look.is_some() {
             return Some(Queued::Motion { geometry, vel, acc, stops });
         }
@@ -306,6 +310,11 @@ impl CrdFifoWrite<'_> {
         let written = Written { at_once: self.at_once, ..Written::new(FifoOf::Crd(crd), fifo, answer) };
         (written, ShadowChange::Crd { crd, change: CrdChange::Data { fifo, cleared: self.path.cleared, data } })
     }
+}
+
+/// Whether a motion entered at this speed is too short to brake in.
+fn is_short(enters: f64, acc: f64, length: f64) -> bool {
+    enters * enters > 2.0 * acc * length
 }
 
 #[cold]
@@ -369,10 +378,7 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths, (target, wh
             }
             let ms = if let EntryKind::Delay(ms) = *kind { ms } else { 0.0 };
             filling.has_room(1)?;
-            data.add_entry(filling.begin);
-            if entry.is_wait() {
-                data.leaves = 0.0;
-            }
+            data.add_entry(filling.begin, entry.is_wait());
             (Some(Queued::Entry(*entry, ms)), 1)
         }
         FifoItem::Flush => (Some(Queued::Flush), 0),
@@ -400,9 +406,10 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(context: &Context<AXES>
     let fields = R::FIELDS.len() as u8;
     filling.needs(if N == 2 { DIMENSIONS } else { N }..DIMENSIONS)?;
     let (mut before, mut ends) = (filling.begin, filling.path.data);
-    if !ends.open {
+    if !ends.is_open() {
         ends.leaves = 0.0;
     }
+    let mut short = false;
     let (leaves, looks) = (rounded_down(admitted.end), filling.path.look.is_some());
     let is_slow = admitted.vel <= filling.limit && admitted.end <= filling.limit;
     for (index, item) in items.iter().enumerate() {
@@ -416,6 +423,10 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(context: &Context<AXES>
         }
         let begin = before;
         before.iter_mut().zip(to).for_each(|(before, to)| *before = to);
+        if index + 1 == items.len() && !looks {
+            let square = begin.iter().zip(before).fold(0.0, |sum, (from, to)| sum + (to - from) * (to - from));
+            short = is_short(ends.leaves.into(), admitted.acc, libm::sqrt(square));
+        }
         // Most lines are known to be slow enough without their length.
         if is_slow && ends.gears.0 == 0 && (looks || ends.leaves <= leaves) {
             ends.leaves = leaves;
@@ -427,7 +438,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(context: &Context<AXES>
                 .in_steps(queue, geometry, (admitted.vel, speeds.field), &ends)
                 .map_err(|refused| refused.item(index))?;
             ends.leaves = filling.leaves(&ends, geometry.length, admitted.acc, admitted.end);
-            (ends.open, ends.gears.0, ends.gear) = (true, 0, 0);
+            (ends.gears.0, ends.gear) = (0, 0);
         }
     }
     let mut data = filling.path.data;
@@ -457,6 +468,9 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(context: &Context<AXES>
     });
     let lasts = filling.give((queue, stores), queued);
     data.leaves = ends.leaves;
+    if short {
+        data.end_short();
+    }
     Ok(filling.written(items.len(), lasts, data))
 }
 

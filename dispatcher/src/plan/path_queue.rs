@@ -247,6 +247,7 @@ impl PathQueue {
 
     /// All motions leave the look-ahead: the path stops at the end.
     pub fn flush(&mut self, store: &EntryStore) {
+        self.look.stop();
         while self.take(store, true) {}
     }
 

@@ -67,6 +67,20 @@ pub struct LookAheadSettings {
     pub count: u16,
 }
 
+/// Where a path with the data of a FIFO comes to rest, if nothing stops it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+enum DataRest {
+    /// All entries are known to be over: it is at rest.
+    #[default]
+    Over,
+    /// At the end of the data.
+    AtEnd,
+    /// There, but the last motion may be too short to brake in.
+    TooShort,
+    /// There, or in front of a wait that such a motion precedes.
+    AtWait,
+}
+
 /// What a FIFO was given since it was cleared.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PathData {
@@ -77,9 +91,8 @@ pub struct PathData {
     pub over: u32,
     /// Motions among the entries.
     pub motions: u32,
-    /// It holds entries that are not known to be over; else the next motion begins where the path
-    /// is.
-    pub open: bool,
+    /// Where the path comes to rest.
+    rest: DataRest,
     /// Where the last motion ends.
     pub position: Position,
     /// Axes that move in proportion to the next motion (gears).
@@ -143,21 +156,48 @@ impl CoordinateAges {
 }
 
 impl PathData {
+    /// It holds entries that are not known to be over; else the next motion begins where the path
+    /// is.
+    pub fn is_open(&self) -> bool {
+        self.rest != DataRest::Over
+    }
+    /// Its last motion may be too short to brake in.
+    pub fn end_short(&mut self) {
+        if self.rest != DataRest::AtWait {
+            self.rest = DataRest::TooShort;
+        }
+    }
+    fn close(&mut self) {
+        self.rest = DataRest::Over;
+    }
+    fn open(&mut self) {
+        if self.rest != DataRest::AtWait {
+            self.rest = DataRest::AtEnd;
+        }
+    }
     /// Takes in a motion that ends here, and that sets these coordinates.
     #[inline(always)]
     pub fn add_motion(&mut self, end: Position, sets: u8) {
-        let before = if self.open { self.ages } else { CoordinateAges::default() };
+        let before = if self.is_open() { self.ages } else { CoordinateAges::default() };
         self.ages = before.after(sets);
         (self.given, self.motions) = (self.given.wrapping_add(1), self.motions.wrapping_add(1));
-        (self.open, self.position, self.gears.0, self.gear) = (true, end, 0, 0);
+        (self.position, self.gears.0, self.gear) = (end, 0, 0);
+        self.open();
     }
     /// Takes in an entry between motions. The first one of a FIFO acts where the path is; a motion
     /// after it begins there.
-    pub fn add_entry(&mut self, begin: Position) {
-        if !self.open {
+    pub fn add_entry(&mut self, begin: Position, waits: bool) {
+        if !self.is_open() {
             (self.ages, self.position) = (CoordinateAges::default(), begin);
+            self.open();
         }
-        (self.given, self.open) = (self.given.wrapping_add(1), true);
+        self.given = self.given.wrapping_add(1);
+        if waits {
+            self.leaves = 0.0;
+            if self.rest == DataRest::TooShort {
+                self.rest = DataRest::AtWait;
+            }
+        }
     }
     /// The path moves beside this data, or gets another name: where it has no target it is not
     /// known any more.
@@ -228,7 +268,7 @@ impl PathShadow {
     }
     /// So many of its motions were over when its path came to standstill.
     fn settle(&mut self, over: u32) {
-        if !self.data.open {
+        if !self.data.is_open() {
             self.left = false;
             return;
         }
@@ -301,6 +341,10 @@ impl CrdShadow {
     fn stopped(&self) -> bool {
         self.stop != 0
     }
+    /// Whether it may come to rest before the end of the data that the FIFO of its start has.
+    fn may_rest_within(&self) -> bool {
+        self.stopped() || self.fed || self.may_fail || self.path(self.fifo).data.rest == DataRest::AtWait
+    }
     /// Whether the tick itself may still be at work for an earlier start.
     pub fn is_busy<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         sampled.runs || is_in_flight(view, self.busy)
@@ -320,7 +364,7 @@ impl CrdShadow {
     /// what follows. None while only the tick knows.
     pub fn begin(&self, rest: impl Fn() -> Option<Position>, fifo: u8) -> Option<Position> {
         let data = &self.path(fifo).data;
-        if !data.open {
+        if !data.is_open() {
             return rest();
         }
         if self.path(fifo).left {
@@ -348,10 +392,10 @@ impl CrdShadow {
     /// The path moves beside a FIFO, or is renamed.
     fn leave(&mut self, fifo: u8, seq: u32) {
         // Else a view has shown what is over.
-        let within = fifo == self.fifo && self.busy.is_some() && (self.stopped() || self.fed || self.may_fail);
+        let within = fifo == self.fifo && self.busy.is_some() && self.may_rest_within();
         let path = self.path_mut(fifo);
-        path.left |= path.data.open && within;
-        if path.data.open {
+        path.left |= path.data.is_open() && within;
+        if path.data.is_open() {
             path.passed = Some(seq);
         }
         path.data.forget_position();
@@ -449,11 +493,12 @@ impl CrdShadow {
             CrdChange::Stopped if self.busy.is_some() => self.stop = seq,
             CrdChange::Stopped => {}
             CrdChange::Standstill => {
-                let ended = self.started.is_some() && !self.stopped() && !self.fed && !self.may_fail;
+                let ended = self.started.is_some() && !self.may_rest_within();
                 self.started = None;
                 if ended {
                     let path = self.path_mut(self.fifo);
-                    (path.data.open, path.data.over) = (false, path.data.given);
+                    path.data.close();
+                    path.data.over = path.data.given;
                     self.here = Some(path.data.position);
                 }
             }
@@ -527,7 +572,11 @@ impl CrdShadow {
                 // Entries in flight, as a Stop, change nothing of it at standstill. A wait that a
                 // Stop has ended is over for the tick, but not for the path.
                 let waits = sampled.path_stop == PathStop::Stopped && sampled.fifo == fifo && path.data.given != 0;
-                path.data.open = path.data.given != released || waits;
+                if path.data.given == released && !waits {
+                    path.data.close();
+                } else if !path.data.is_open() {
+                    path.data.open();
+                }
                 if quiet {
                     path.data.stand_at(&position_of(&sampled.position));
                 }

@@ -525,6 +525,10 @@ impl Crd {
                 } else {
                     profile(self.speed, left, &limits, even)
                 };
+                // docs/crd.md: within 2⁻¹⁶ pulse of a stop it is one.
+                if limits.end == 0.0 && planned.end > 0.0 && planned.end.powi(2) < limits.acc * 0.0000306 {
+                    self.unsaid = Some("a path that ends hardly at speed");
+                }
                 if self.plan.is_some() && even > 0.0 {
                     self.unsaid = Some("the least time at constant speed, planned again during motion");
                 }

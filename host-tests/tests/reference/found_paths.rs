@@ -480,3 +480,21 @@ fn a_map_after_a_stop_and_a_rename() {
         }
     }
 }
+
+/// A motion too short to brake in stops the path in front of a wait. An arc of the other FIFO was
+/// planned from the end of the data, which the path had not reached.
+#[test]
+fn an_arc_after_a_path_that_stopped_in_front_of_a_wait() {
+    let to = |to: [i32; 2], end: f64| {
+        path(Path::Line { crd: 1, to: to.to_vec(), speeds: Speeds { vel: 3.0, acc: 0.3, end }, fifo: 0 })
+    };
+    let go = |option| path(Path::Start { mask: 1, option });
+    let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None)];
+    calls.extend([to([8, 0], 2.5), to([9, 1], 0.4), path(Path::Delay { crd: 1, ms: 4, fifo: 0 }), to([40, 30], 0.0)]);
+    // The refused call gives the program time to learn that the path runs.
+    calls.extend([go(0), plain(Kind::ZeroPos, 0), Call::Sleep { ns: 3 * MS }, path(Path::Wait { mask: 1 })]);
+    calls.extend([Call::Sleep { ns: 4 * MS }, arc([2, 7], 1), go(1), Call::Sleep { ns: 30 * MS }]);
+    for tick_us in [250, 1000] {
+        agrees(tick_us, &calls);
+    }
+}

@@ -241,8 +241,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "look-ahead: speeds leave no acceleration to go on with",
         "dispatcher/src/plan/look_ahead/reachable.rs",
-        "const RESERVE_SHARE: f64 = 1.0 / 16.0;",
-        "const RESERVE_SHARE: f64 = 0.0;",
+        "const ARC_RESERVE_SHARE: f64 = 1.0 / 16.0;",
+        "const ARC_RESERVE_SHARE: f64 = 0.0;",
         LOOK_AHEAD,
     ),
     mutant(
