@@ -898,7 +898,7 @@ namespace gts
         /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
         [DllImport(Library)]
         public static extern short GT_FollowDataPercent2Ex(short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent, out short percent1, short fifo);
-        /// <summary>The slave's position inside such a segment.</summary>
+        /// <summary>The displacement of such a segment, for a share of S-shape in its first half.</summary>
         [DllImport(Library)]
         public static extern short GT_GetFollowDataPercent2Ex(double masterPos, double v1, double v2, double p, double p1, out double slavePos);
         /// <summary>Levels at the terminals; what GetDi returns, which no sense changes.</summary>
@@ -1786,7 +1786,7 @@ namespace gts
         /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
         [DllImport(Library)]
         public static extern short GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent, out short percent1, short fifo);
-        /// <summary>The slave's position inside such a segment.</summary>
+        /// <summary>The displacement of such a segment, for a share of S-shape in its first half.</summary>
         [DllImport(Library)]
         public static extern short GTN_GetFollowDataPercent2Ex(short core, double masterPos, double v1, double v2, double p, double p1, out double slavePos);
         /// <summary>Levels at the terminals; what GetDi returns, which no sense changes.</summary>
@@ -2675,7 +2675,7 @@ namespace gts
         /// <summary>A FollowEx segment with velocity ratios at begin and end.</summary>
         [DllImport(Library, EntryPoint = "GTM_FollowDataPercent2Ex")]
         public static extern short GT_FollowDataPercent2Ex(short cardNum, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent, out short percent1, short fifo);
-        /// <summary>The slave's position inside such a segment.</summary>
+        /// <summary>The displacement of such a segment, for a share of S-shape in its first half.</summary>
         [DllImport(Library, EntryPoint = "GTM_GetFollowDataPercent2Ex")]
         public static extern short GT_GetFollowDataPercent2Ex(short cardNum, double masterPos, double v1, double v2, double p, double p1, out double slavePos);
         /// <summary>Levels at the terminals; what GetDi returns, which no sense changes.</summary>

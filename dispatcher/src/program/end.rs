@@ -191,7 +191,9 @@ impl Program<'_> {
             let reading = poll.admission.reading(view);
             let written = match refusal {
                 Some((0, ..)) => poll.out.refused(item.opcode, item.tag, &Refused::new(Reason::Late).wire),
-                Some((_, refuser)) => poll.out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
+                Some((_, refuser)) => {
+                    poll.out.refused(item.opcode, item.tag, &reading.explain(item.opcode, refuser).wire)
+                }
                 None if matches!(item.answer, Answer::Part(_)) => Ok(()),
                 None if item.discarded => self.discarded(&item, &reading, poll.out),
                 None => reading.answer(&item, self.replies.values(), poll.out),

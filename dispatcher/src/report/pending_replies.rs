@@ -182,7 +182,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             Answer::Lost { axis, status } => {
                 let lost = match item.opcode {
                     // An immediate switch is no data, but is answered like it.
-                    opcode::FollowSwitchNowEx => self.explain(Refuser::Axis(axis, status)),
+                    opcode::FollowSwitchNowEx => self.explain(item.opcode, Refuser::Axis(axis, status)),
                     _ => {
                         let stop = self.view.axes.get(axis.index()).map_or(0, |sampled| sampled.stop as u16);
                         let lost = Refused::new(Reason::StreamEnded).axis(self.configuration.number_of(axis));

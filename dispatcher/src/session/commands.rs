@@ -21,6 +21,7 @@ use crate::shadow::{AxisShadow, CAPACITY, RefreshedNumbers, ShadowChange, Watch,
 use protocol::command;
 use protocol::path_many::HELD_AT_ONCE;
 use protocol::record::{ReplyWriter, RequestRecord};
+use servo::Fifos;
 use servo::tick::IMMEDIATE_ENTRIES;
 use servo::tick_command::TickCommand;
 use servo::units::Crd;
@@ -71,8 +72,12 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         }
         self.admission.executed.update_from(view);
         let quiet = program.is_quiet() && !self.admission.lane.in_flight();
-        if quiet && self.admission.executed.naming() | self.admission.admitted.naming() != 0 {
+        let [naming, ahead] = [self.admission.executed.naming(), self.admission.admitted.naming()];
+        if quiet && naming | ahead != 0 {
             self.forget_follow_tables(view);
+        }
+        if naming & !ahead != 0 {
+            self.forget_emptied(naming & !ahead);
         }
         if self.renewed.is_due(view) {
             self.admission.executed.renew(view);
@@ -89,6 +94,19 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
                 let shadows = [&mut self.admission.executed, &mut self.admission.admitted];
                 if shadows.iter().all(|shadows| shadows.crd(crd).space(sampled, fifo) == CAPACITY) {
                     shadows.into_iter().for_each(|shadows| shadows.forget_follow_tables(crd, fifo));
+                }
+            }
+        }
+    }
+
+    /// These FIFOs hold no entry that names a follow table any more, once what emptied them last is
+    /// executed.
+    fn forget_emptied(&mut self, fifos: Fifos) {
+        let Admission { admitted, executed, .. } = &mut self.admission;
+        for crd in Crd::all() {
+            for fifo in (0..2).filter(|fifo| fifos >> (2 * crd.index() as u8 + fifo) & 1 == 1) {
+                if admitted.crd(crd).path(fifo).emptied.is_none() {
+                    executed.forget_follow_tables(crd, fifo);
                 }
             }
         }
@@ -119,7 +137,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
             let refusal = self.replies.refused.front().copied().filter(|&(seq, ..)| item.own && Some(seq) == item.seq);
             let reading = self.admission.reading(view);
             let written = match refusal {
-                Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(refuser).wire),
+                Some((_, refuser)) => out.refused(item.opcode, item.tag, &reading.explain(item.opcode, refuser).wire),
                 None if kind(item.opcode) == Some(command::CommandKind::Program) => {
                     program.status(view, item.opcode, item.tag, out)
                 }

@@ -1,7 +1,7 @@
 //! Programs on which the reference was wrong about lasers, and the controller was right.
 use super::found::{MS, agrees, frame, gus, is_open, line, path, plain};
 use super::judge::{Tally, finding};
-use host_tests::reference::{Call, Command, Family, Kind, LightCall, LightOf, LightTable, Path, Setup};
+use host_tests::reference::{Call, Command, Family, Kind, LightCall, LightOf, LightTable, Path, Setup, Speeds};
 
 fn light(what: LightOf) -> Call {
     Call::Light(LightCall { channel: 0, what })
@@ -43,6 +43,20 @@ fn a_follow_table_that_a_path_has_passed() {
     agrees(250, &[&calls[..], &[table(20.0), Call::Sleep { ns: MS }]].concat());
     calls.extend([line(vec![9, 4]), table(20.0), Call::Sleep { ns: MS }]);
     is_open(250, &calls, "a table of powers that a path may just have left");
+}
+
+/// A table that an entry had named before its FIFO was emptied kept the program waiting while the
+/// other FIFO ran, and the Stop of that instant was late by a tick. Here the controller was wrong.
+#[test]
+fn a_follow_table_of_an_entry_that_was_emptied() {
+    let table = |power| Call::LightTable(LightTable::Powers { channel: 0, table: 2, points: vec![[0.0, power]] });
+    let speeds = Speeds { vel: 9.0, acc: 3.0, end: 0.0 };
+    let mut calls = begin();
+    calls.extend([table(30.0), entry(Command::Table(2, [0.0, 60.0])), frame(None)]);
+    calls.extend([path(Path::Line { crd: 1, to: vec![90, 40], speeds, fifo: 1 })]);
+    calls.extend([path(Path::Start { mask: 1, option: 1 }), Call::Sleep { ns: 5 * MS }]);
+    calls.extend([table(20.0), Call::Stop { mask: 1, abrupt: 0 }, Call::Sleep { ns: 9 * MS }]);
+    agrees(250, &calls);
 }
 
 /// A limit of an axis of a table is not held to the highest frequency of the LSR family.

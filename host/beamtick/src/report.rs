@@ -33,6 +33,8 @@ pub struct Report<'a, 's> {
     pub lit: Vec<u8>,
     /// Calls that failed and were allowed to.
     pub warned: u32,
+    /// The step of the last one. A table goes in several messages, and each of them fails.
+    warned_of: Option<usize>,
     /// The PT streams at the last report, and the shortest time to dry of each since it first
     /// decreased: until then the axis is at standstill and its data only grows.
     pub streams: Vec<(Dry, Option<u32>)>,
@@ -50,7 +52,8 @@ impl<'a, 's> Report<'a, 's> {
             bar.set_style(style);
         }
         let (left, lit, streams) = (Vec::new(), Vec::new(), Vec::new());
-        Report { source, ledger, version, quiet, bar, block: String::new(), left, lit, warned: 0, streams }
+        let (block, warned, warned_of) = (String::new(), 0, None);
+        Report { source, ledger, version, quiet, bar, block, left, lit, warned, warned_of, streams }
     }
 
     /// The job's name.
@@ -182,8 +185,13 @@ impl Observer for Report<'_, '_> {
         if answer.code != 0 {
             let reason = answer.refusal().and_then(Refusal::reason);
             let discarded = matches!(reason, Some(Reason::Discarded | Reason::LinkLost));
-            if !discarded && self.ledger.may_fail(answer.index) {
-                self.warned += 1;
+            let step = match self.ledger.from(answer.index) {
+                Some(From::Step(step)) => Some(step),
+                _ => None,
+            };
+            let is_known = step.is_some() && step == self.warned_of;
+            if !discarded && !is_known && self.ledger.may_fail(answer.index) {
+                (self.warned, self.warned_of) = (self.warned + 1, step);
                 let warning = self.failure(&answer, Severity::Warning);
                 self.bar.suspend(|| complain!("{}", warning.trim_end()));
             }

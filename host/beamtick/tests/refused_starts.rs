@@ -93,3 +93,27 @@ fn calls_after_a_refused_one_act_at_their_instant() {
         assert!(said.contains("Warning: GT_") && said.contains("no late entries"), "{job}: {said}");
     }
 }
+
+/// A switch needs a running axis: that is the reason, also where only the tick finds it.
+#[test]
+fn a_switch_after_a_stop_says_that_the_axis_does_not_run() {
+    let (refused, _) = run("TJogPrm jog = {0}; jog.acc = 1; jog.dec = 1; GT_PrfJog(1); GT_SetJogPrm(1, &jog);
+         GT_PrfFollowEx(2, 0); GT_SetFollowMasterEx(2, 1, 2, 0); GT_FollowDataPercentEx(2, 100, 100, 0, 0, 0);
+         GT_FollowDataPercentEx(2, 100, 100, 0, 0, 1);
+         GT_FollowStartEx(2); Sleep(5); GT_Stop(2, 0); Sleep(50); rtn = GT_FollowSwitchNowEx(2, 2);");
+    assert_eq!(refused, ["FollowSwitchNowEx returned 1: axis 2 is not running; a switch is for an axis that follows"]);
+}
+
+/// A table goes in many messages, and each of them is refused. It is one call.
+#[test]
+fn a_table_that_is_refused_is_one_failure() {
+    let numbers = |step: u32| (0..1024).map(|n| (n.max(1) * step).to_string()).collect::<Vec<_>>().join(",");
+    let (times, zeros) = (numbers(2), numbers(0));
+    let (refused, _) = run(&format!(
+        "double t[1024] = {{{times}}}; double p[1024] = {{{zeros}}}; rtn = GT_PvtTable(1, 1024, t, p, p);"
+    ));
+    assert_eq!(
+        refused,
+        ["PvtTable returned 7: time is 2; it must be greater than 2, that of the point before (item 2)"]
+    );
+}

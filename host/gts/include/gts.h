@@ -643,7 +643,7 @@ GT_API GT_FollowDelayEx(short profile, unsigned long delayTime, short fifo GT_DE
 GT_API GT_FollowDiBitEx(short profile, short diType, short index, short value, unsigned long time GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* A FollowEx segment with velocity ratios at begin and end. */
 GT_API GT_FollowDataPercent2Ex(short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));
-/* The slave's position inside such a segment. */
+/* The displacement of such a segment, for a share of S-shape in its first half. */
 GT_API GT_GetFollowDataPercent2Ex(double masterPos, double v1, double v2, double p, double p1, double *slavePos);
 
 /* Beyond the manuals: what is kept changes nothing, what is refused returns 1 (docs/api.md) */
@@ -1223,7 +1223,7 @@ GT_API GTN_FollowDelayEx(short core, short profile, unsigned long delayTime, sho
 GT_API GTN_FollowDiBitEx(short core, short profile, short diType, short index, short value, unsigned long time GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* A FollowEx segment with velocity ratios at begin and end. */
 GT_API GTN_FollowDataPercent2Ex(short core, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));
-/* The slave's position inside such a segment. */
+/* The displacement of such a segment, for a share of S-shape in its first half. */
 GT_API GTN_GetFollowDataPercent2Ex(short core, double masterPos, double v1, double v2, double p, double p1, double *slavePos);
 
 /* Beyond the manuals: what is kept changes nothing, what is refused returns 1 (docs/api.md) */

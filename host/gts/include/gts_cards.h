@@ -916,7 +916,7 @@ GT_API GT_FollowDelayEx(short cardNum, short profile, unsigned long delayTime, s
 GT_API GT_FollowDiBitEx(short cardNum, short profile, short diType, short index, short value, unsigned long time GT_DEFAULT(0), short fifo GT_DEFAULT(0));
 /* A FollowEx segment with velocity ratios at begin and end. */
 GT_API GT_FollowDataPercent2Ex(short cardNum, short profile, double masterSegment, double slaveSegment, double velBeginRatio, double velEndRatio, short percent GT_DEFAULT(100), short *percent1 GT_DEFAULT(NULL), short fifo GT_DEFAULT(0));
-/* The slave's position inside such a segment. */
+/* The displacement of such a segment, for a share of S-shape in its first half. */
 GT_API GT_GetFollowDataPercent2Ex(short cardNum, double masterPos, double v1, double v2, double p, double p1, double *slavePos);
 
 /* Beyond the manuals: what is kept changes nothing, what is refused returns 1 (docs/api.md) */

@@ -253,7 +253,7 @@ const ABOUT: &[(&str, &str)] = &[
         "In a FollowEx FIFO: the slave is at standstill until an input has a level, or a time in ms is over.",
     ),
     ("FollowDataPercent2Ex", "A FollowEx segment with velocity ratios at begin and end."),
-    ("GetFollowDataPercent2Ex", "The slave's position inside such a segment."),
+    ("GetFollowDataPercent2Ex", "The displacement of such a segment, for a share of S-shape in its first half."),
 ];
 
 #[cfg(test)]

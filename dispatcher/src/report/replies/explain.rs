@@ -3,6 +3,7 @@ use super::Reading;
 use crate::plan::geometry::pulses;
 use crate::refuse::{Refused, latched};
 use crate::report::answer::Refuser;
+use protocol::command::opcode;
 use protocol::reason::Reason;
 use servo::output::TIMED_OUTPUTS;
 use servo::status::{FAULTS, LIMIT_NEGATIVE, LIMIT_POSITIVE, RUNNING, SERVO_ON};
@@ -10,8 +11,9 @@ use servo::tick_command::MotionMode;
 use servo::units::{Axis, Crd};
 
 impl<const AXES: usize> Reading<'_, AXES> {
-    /// The reason of a start that the tick refused.
-    pub fn explain(&self, refuser: Refuser) -> Refused {
+    /// The reason of a start, or of another command, that the tick refused.
+    pub fn explain(&self, command: u16, refuser: Refuser) -> Refused {
+        let switches = matches!(command, opcode::FollowSwitch | opcode::FollowSwitchEx | opcode::FollowSwitchNowEx);
         let (axis, status) = match refuser {
             Refuser::Axis(axis, status) => (axis, status),
             Refuser::Crd(crd) => return self.explain_crd(crd),
@@ -34,6 +36,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             None if status & RUNNING != 0 => (Reason::Moving, status.into()),
             // A ClrSts has come between: it was latched then.
             None if status & (FAULTS | LIMIT_POSITIVE | LIMIT_NEGATIVE) != 0 => (latched(status), status.into()),
+            None if switches => (Reason::NotRunning, 0.0),
             None => (Reason::StateChanged, status.into()),
         };
         Refused::new(reason).axis(self.configuration.number_of(axis)).got(got)
