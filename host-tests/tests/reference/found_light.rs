@@ -55,7 +55,8 @@ fn a_follow_table_of_an_entry_that_was_emptied() {
     calls.extend([table(30.0), entry(Command::Table(2, [0.0, 60.0])), frame(None)]);
     calls.extend([path(Path::Line { crd: 1, to: vec![90, 40], speeds, fifo: 1 })]);
     calls.extend([path(Path::Start { mask: 1, option: 1 }), Call::Sleep { ns: 5 * MS }]);
-    calls.extend([table(20.0), Call::Stop { mask: 1, abrupt: 0 }, Call::Sleep { ns: 9 * MS }]);
+    calls.extend([light(LightOf::Connector(true)), table(20.0), Call::Stop { mask: 1, abrupt: 0 }]);
+    calls.push(Call::Sleep { ns: 9 * MS });
     agrees(250, &calls);
 }
 
