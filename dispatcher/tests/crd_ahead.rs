@@ -71,8 +71,8 @@ fn finish(bench: &mut Bench<8>, begun: u64) -> f64 {
     (bench.now().0 - begun) as f64 / 1e6
 }
 
-/// No flush is needed: waiting entries come in time and the path stops at its end. A flush says that
-/// this is the end, so that the last corners are known: it may be quicker there.
+/// No flush is needed: waiting entries come in time and the path stops at its end. A flush says
+/// that this is the end, so that the last corners are known: it may be quicker there.
 #[test]
 fn a_path_needs_no_flush() {
     let points = spiral(200);

@@ -1,4 +1,4 @@
-//! A path goes on after a Stop wherever it came to rest: every motion has a reserve of acceleration.
+//! A path goes on after a Stop wherever it came to rest: arcs have a reserve of acceleration.
 use super::{Call, Heard, LIMITS, Script, plan, spiral, wander};
 use dispatcher::plan::geometry::{Geometry, Position};
 use servo::path::{FifoEnds, Path, PathEntry, Plane};

@@ -44,8 +44,8 @@ pub(super) struct Bound {
 const LIMIT_MARGIN_SHARE: f64 = 1.0 / 16384.0;
 /// Times that differ by this share are one.
 const SAME_TIME_SHARE: f64 = 1e-9;
-/// This share of the acceleration along an arc is left at the speeds of its ends. Else it might have
-/// none, and a path that a Stop or another override has slowed there would not speed up again.
+/// This share of the acceleration along an arc is left at the speeds of its ends. Else it might
+/// have none, and a path that a Stop or another override has slowed there would not speed up again.
 const ARC_RESERVE_SHARE: f64 = 1.0 / 16.0;
 /// The highest square of a speed on an arc, as a share of radius · limit: along it the reserve of
 /// the limit is left.
@@ -350,14 +350,15 @@ impl Span {
     /// The highest x, at most `cap`, from which some y from 0 to `most` can be reached, and what
     /// that tells of other `most`.
     pub(super) fn back(&self, most: f64, cap: f64) -> (StepBack, Steps) {
+        let found = self.back_from(most.min(self.end_top), cap);
         if most <= self.end_top {
-            return self.back_from(most, cap);
+            return found;
         }
-        let (step, _) = self.back_from(self.end_top, cap);
-        let step = StepBack { settled: true, ..step };
+        let step = StepBack { settled: true, ..found.0 };
         (step, Steps { rule: Rule::Fixed(step), from: rounded_up(self.end_top), to: f32::INFINITY })
     }
 
+    #[inline]
     fn back_from(&self, most: f64, cap: f64) -> (StepBack, Steps) {
         let [free, top] = self.tops;
         let (mut x, mut settled, mut edge) = (cap.min(top), true, None);
