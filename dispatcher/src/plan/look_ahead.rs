@@ -14,7 +14,7 @@
 //! On an arc three accelerations are added as if they had one direction: the one along it, v²/R,
 //! and that of a corner at its end. Their sum stays inside a polygon within the circle of the
 //! lowest limit. velEnd of the calls is not used, except through the waits between them.
-//! Speeds leave each motion a part of its acceleration, for going on after a Stop.
+//! On an arc they leave a part of the acceleration along it, for going on after a Stop.
 //!
 //! **The plan.** Backwards from a stop at the end of the queue: at each junction the square of the
 //! highest speed from which all that follows can be kept (`reachable.rs`). Forwards: as fast as

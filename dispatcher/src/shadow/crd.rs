@@ -334,9 +334,9 @@ impl CrdShadow {
     pub fn may_run<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
         self.started.is_some_and(|seq| !executed(view, seq) || sampled.runs)
     }
-    /// Whether a Stop that has not been executed may leave it stopped within its data.
-    pub fn may_be_stopped<const AXES: usize>(&self, view: &View<AXES>) -> bool {
-        self.stopped() && !executed(view, self.stop)
+    /// Whether a Stop may yet leave it stopped within its data.
+    pub fn may_be_stopped<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
+        self.stopped() && (sampled.runs || !executed(view, self.stop))
     }
     fn stopped(&self) -> bool {
         self.stop != 0

@@ -103,6 +103,10 @@ impl<'a, 's> Report<'a, 's> {
         let help = match answer.code {
             _ if severity == Severity::Warning => "the job continues after it (#pragma continue)",
             _ if beyond.is_some() => beyond.as_deref().unwrap_or_default(),
+            // What the tick refuses is known a tick later.
+            1 if ["Start", "Update"].iter().any(|start| bare(name).contains(start)) => {
+                "the call is right, but not in the present state; calls of its instant may have acted, later ones did not"
+            }
             1 => "the call is right, but not in the present state; later calls were not executed",
             7 => "correct the parameter; later calls were not executed",
             8 if answer.refusal().is_none_or(|refusal| refusal.reason() == Some(Reason::UnknownCommand)) => {

@@ -419,7 +419,7 @@ impl Stopped {
             ref lit => format!("LIGHT IS STILL ON: laser {lit:?}."),
         };
         let motion = match (&self.moved[..], &self.braking[..]) {
-            ([], []) => "Nothing was moving.".to_owned(),
+            ([], []) => "Nothing moves.".to_owned(),
             (moved, []) => format!("What still moved ({}) was stopped smoothly.", names(moved)),
             (_, braking) => format!("Still braking to a smooth stop: {}.", names(braking)),
         };

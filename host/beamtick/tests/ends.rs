@@ -186,7 +186,7 @@ fn a_signal_in_light_shuts_it_off_and_says_so() {
         assert!(first_line(&mut child).contains("GT_GetPrfPos"));
         let (errors, code) = signalled(child, signal);
         assert_eq!(code, wanted, "{errors}");
-        assert!(errors.contains(&format!("interrupted by {name}\nLight is off. Nothing was moving.")), "{errors}");
+        assert!(errors.contains(&format!("interrupted by {name}\nLight is off. Nothing moves.")), "{errors}");
         // Not by a fault of a lost link: the next job's on command works.
         let laser = served.laser();
         assert!(laser.contains("dark") && !laser.contains("KEPT"), "{laser}");

@@ -220,7 +220,8 @@ pub fn map<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserCrdMap) -
     let map = before & !own | given << (core as u8 * context.configuration.profile.crds_per_core);
     let sampled = &context.view.lasers[usize::from(channel).min(CHANNELS - 1)];
     for crd in CrdMask((before | map) & own).crds() {
-        let ahead = !context.due.decided && context.crd_shadow(crd).may_be_stopped(context.view);
+        let may_be_stopped = || context.crd_shadow(crd).may_be_stopped(context.view, context.crd_sampled(crd));
+        let ahead = !context.due.decided && may_be_stopped();
         if ahead || context.crd_may_run(crd) || sampled.owners.has(crd) {
             return Err(context.no_crd(Reason::LaserMapInUse, crd).got(channel.into()));
         }
