@@ -12,17 +12,19 @@ mod crd;
 mod crd_space;
 mod entry_numbers;
 mod follow;
+mod path_data;
 mod watch;
 
 use crate::product::{LONG_TICK, ProductProfile};
 pub use axis::{AxisShadow, BEGINS_SHIFT, FifoShadow};
 pub use channel::{DistanceShadow, LaserChange, LaserShadow};
-pub use crd::{CrdChange, CrdParameters, CrdShadow, LookAheadSettings, PathData, PathShadow};
+pub use crd::{CrdChange, CrdParameters, CrdShadow, LookAheadSettings, PathShadow};
 pub use crd_space::CAPACITY;
 pub use entry_numbers::{
     PROGRAM_FLAG, RefreshedNumbers, entries_from, executed, is_in_flight, is_up_to, renew, seq_after, seq_from,
 };
 pub use follow::FollowFifoShadow;
+pub use path_data::PathData;
 use protocol::command::{JogPrm, TrapPrm};
 use protocol::reason::Reason;
 use servo::Fifos;
