@@ -10,7 +10,7 @@
 use super::PowerMode;
 use super::actions::{Count, PulseRate, Train};
 use super::power::{Power, Refused};
-use crate::math::wide::{Recip, umul, umulhi};
+use crate::math::wide::{Divisor, Recip, umul, umulhi};
 
 /// A frequency is off by at most one part in this many.
 pub const PPM: u64 = 1_000_000;
@@ -364,26 +364,17 @@ impl Pattern {
     }
 }
 
-/// Periods of one run are 2 to this at most: the repetition counter of TIM15 has 8 bits (RM0433
-/// 41.5.12).
-const RUN_MAX_LOG2_PERIODS: u32 = 8;
+/// Periods queued together at most. The repetition counter of TIM15 has 8 bits (RM0433 41.5.12).
+/// And a pulse lies at most a quarter of so many counts from where it would be alone: within 0.3
+/// ppm of a second at 240 MHz.
+const TOGETHER_MAX_PERIODS: u32 = 256;
 
-/// 2 to this is more than how often a step fits, or as often as a run may have.
-#[inline(always)]
-const fn fits(into: u32, step: u32) -> u32 {
-    let bits =
-        step.leading_zeros().wrapping_add(1).saturating_sub((into | 1 << (RUN_MAX_LOG2_PERIODS - 1)).leading_zeros());
-    if bits < RUN_MAX_LOG2_PERIODS { bits } else { RUN_MAX_LOG2_PERIODS }
-}
-
-/// One of a train's two counts in [`TrainSteps`]: the accumulator carries where a count is odd.
+/// One of a train's two counts in [`TrainSteps`].
 #[derive(Debug, Clone, Copy)]
 struct CountStep {
     whole: u32,
     part: u32,
-    /// 2³² minus the denominator: what the accumulator lacks after a carry.
-    lack: u32,
-    /// With `lack`.
+    of: u32,
     gathered: u32,
 }
 
@@ -392,55 +383,47 @@ impl CountStep {
     fn of(count: &Count, before: &Bresenham) -> CountStep {
         let Count { whole, part, of } = *count;
         let gathered = if before.of == of { before.gathered } else { 0 };
-        let lack = of.wrapping_neg();
-        CountStep { whole: whole as u32, part, lack, gathered: gathered.wrapping_add(lack) }
+        CountStep { whole: whole as u32, part, of, gathered }
     }
 
     /// The next count.
     #[inline(always)]
     fn step(&mut self) -> u32 {
-        let (sum, is_odd) = self.gathered.overflowing_add(self.part);
-        self.gathered = if is_odd { sum.wrapping_add(self.lack) } else { sum };
+        let (sum, carry) = self.gathered.overflowing_add(self.part);
+        let is_odd = carry || self.of != 0 && sum >= self.of;
+        self.gathered = if is_odd { sum.wrapping_sub(self.of) } else { sum };
         self.whole.wrapping_add(is_odd as u32)
     }
 
-    /// Whether runs of equal counts are long enough to be searched for: a ninth of the counts or
-    /// less are of one kind.
-    #[inline(always)]
-    fn is_even(&self) -> bool {
-        let other = self.lack.wrapping_add(self.part).wrapping_neg();
-        self.part.min(other) <= self.part.max(other) >> 3
-    }
-
-    /// The next count, what steps may take away until one is of the other kind, what each takes
-    /// away, and what it adds to the accumulator.
-    #[inline(always)]
-    fn even(&self) -> (u32, u32, u32, u32) {
-        let (sum, is_odd) = self.gathered.overflowing_add(self.part);
-        if is_odd {
-            let more = self.lack.wrapping_add(self.part);
-            (self.whole.wrapping_add(1), sum, more.wrapping_neg(), more)
+    /// How many of the next `n` counts have one more; the accumulator goes on after them. Whoever
+    /// makes a [`Count`] keeps its denominator below 2³¹, or 2³².
+    #[inline(never)]
+    fn odd(&mut self, n: u32) -> u32 {
+        let sum = (self.gathered as u64).wrapping_add(n as u64 * self.part as u64);
+        let (odd, left) = if self.of == 0 {
+            ((sum >> 32) as u32, sum as u32)
         } else {
-            (self.whole, !sum, self.part, self.part)
-        }
+            let odd = Divisor::new(self.of).floor(sum);
+            (odd, (sum as u32).wrapping_sub(odd.wrapping_mul(self.of)))
+        };
+        self.gathered = left;
+        odd
     }
 
     /// The accumulator.
     #[inline(always)]
     fn gathered(&self) -> Bresenham {
-        Bresenham { gathered: self.gathered.wrapping_sub(self.lack), of: self.lack.wrapping_neg() }
+        Bresenham { gathered: self.gathered, of: self.of }
     }
 }
 
-/// The counts of the periods of a train, one after the other, as [`Pattern::step`] gives them, if
-/// they are far below 2³² and the train does not change.
+/// The counts of the periods of a train, as many and as wide together as [`Pattern::step`] gives
+/// them, if they are far below 2³² and the train does not change.
 #[derive(Debug, Clone, Copy)]
 struct TrainSteps {
     period: CountStep,
     width: CountStep,
     owed: u32,
-    /// Nothing is owed, nor will be: each pulse ends with its period at the latest.
-    is_plain: bool,
     is_full: bool,
 }
 
@@ -448,14 +431,11 @@ impl TrainSteps {
     /// A pattern continues with this train.
     #[inline(always)]
     fn of(before: &Pattern, train: &Train) -> TrainSteps {
-        let owed = if before.width.of == train.width.of { before.owed as u32 } else { 0 };
-        let is_plain = owed == 0 && train.width.whole < train.period.whole;
         TrainSteps {
             period: CountStep::of(&train.period, &before.period),
             width: CountStep::of(&train.width, &before.width),
-            owed,
-            is_plain,
-            is_full: !is_plain && train.is_full(),
+            owed: if before.width.of == train.width.of { before.owed as u32 } else { 0 },
+            is_full: train.is_full(),
         }
     }
 
@@ -470,60 +450,57 @@ impl TrainSteps {
     }
 
     /// Queues periods as far as they end within `left` counts and a longer one had room: length,
-    /// width, and repetitions. Only those that end `alone` counts before are queued together.
-    /// Returns the remaining counts.
+    /// width, and repetitions. Those that end `alone` counts before are queued together. Returns
+    /// the remaining counts.
     #[inline(always)]
     fn queue(&mut self, left: u32, alone: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
-        if !self.is_plain {
-            return self.queue_each(left, sink);
-        }
-        let mut left = left;
         let longest = self.period.whole.wrapping_add(1);
-        let (mut periods, mut widths) = (self.period, self.width);
-        let is_even = periods.is_even() && widths.is_even();
-        let together = if is_even { longest.saturating_add(alone) } else { u32::MAX };
-        while together <= left {
-            let (period, mut even, less, more) = periods.even();
-            let (width, mut as_wide, narrower, wider) = widths.even();
-            let mut room = left.wrapping_sub(alone).wrapping_sub(period);
-            let mut times = 1u32;
-            // Three counts that decrease together, until the first one would be below zero: by this
-            // many steps at once, and by half of them.
-            for twice in (0..fits(even, less).min(fits(as_wide, narrower)).min(fits(room, period))).rev() {
-                let (next, below) = even.overflowing_sub(less.wrapping_shl(twice));
-                let (next_wide, wide_below) = as_wide.overflowing_sub(narrower.wrapping_shl(twice));
-                let (next_room, room_below) = room.overflowing_sub(period.wrapping_shl(twice));
-                if !(below || wide_below || room_below) {
-                    (even, as_wide, room) = (next, next_wide, next_room);
-                    times = times.wrapping_add(1u32.wrapping_shl(twice));
-                }
+        let mut left = left;
+        if let Some(mut room) = left.checked_sub(alone) {
+            let by = Divisor::new(longest);
+            // As many as have room if all are long; what a part that is not full leaves goes alone.
+            let mut n = TOGETHER_MAX_PERIODS;
+            while n == TOGETHER_MAX_PERIODS {
+                n = by.floor(room.into()).min(n);
+                let counts = self.queue_together(n, sink);
+                (room, left) = (room.wrapping_sub(counts), left.wrapping_sub(counts));
             }
-            periods.gathered = periods.gathered.wrapping_add(times.wrapping_mul(more));
-            widths.gathered = widths.gathered.wrapping_add(times.wrapping_mul(wider));
-            sink(period, width, times);
-            left = left.wrapping_sub(times.wrapping_mul(period));
         }
-        while longest <= left {
-            let (period, width) = (periods.step(), widths.step());
-            sink(period, width, 1);
-            left = left.wrapping_sub(period);
-        }
-        (self.period, self.width) = (periods, widths);
-        left
-    }
-
-    /// The same, one by one, where pulses fill their periods or go on after them.
-    #[cold]
-    #[inline(never)]
-    fn queue_each(&mut self, left: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
-        let mut left = left;
-        let longest = self.period.whole.wrapping_add(1);
         while longest <= left {
             let (period, width) = self.step();
             sink(period, width, 1);
             left = left.wrapping_sub(period);
         }
         left
+    }
+
+    /// Queues `n` periods; returns their counts. The longer ones come first, and so do the wider
+    /// pulses: three runs at most (SPEC 11: their order within a tick is free).
+    #[inline(always)]
+    fn queue_together(&mut self, n: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
+        let (period, mut width) = (self.period.whole, self.width.whole);
+        let long = self.period.odd(n);
+        let mut wide = self.width.odd(n).wrapping_add(self.owed);
+        self.owed = 0;
+        if self.is_full {
+            (width, wide) = (period, long);
+        } else if width == period && wide > long {
+            // No pulse is wider than its period.
+            self.owed = wide.wrapping_sub(long);
+            wide = long;
+        }
+        let (both, either) = (long.min(wide), long.max(wide));
+        let (longer, wider) = ((long > wide) as u32, (wide > long) as u32);
+        // From the longest and widest to the others: in a loop, as the code is scarce.
+        let (mut up, mut left) = ([1, 1], [both, either.wrapping_sub(both), n.wrapping_sub(either)]);
+        for _ in 0..3 {
+            let [times, ..] = left;
+            if times != 0 {
+                sink(period.wrapping_add(up[0]), width.wrapping_add(up[1]), times);
+            }
+            (left, up) = ([left[1], left[2], 0], if up == [1, 1] { [longer, wider] } else { [0, 0] });
+        }
+        n.wrapping_mul(period).wrapping_add(long)
     }
 
     /// The pattern after these steps.

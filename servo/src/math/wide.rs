@@ -180,6 +180,13 @@ impl Divisor {
         (q1, r)
     }
 
+    /// ⌊x / n⌋ for x < n·2³².
+    #[inline(always)]
+    pub fn floor(&self, x: u64) -> u32 {
+        let x = x.wrapping_shl(self.shift);
+        self.digit((x >> 32) as u32, x as u32).0
+    }
+
     /// x / n to the nearest whole number, and whether it came out even (no remainder).
     #[inline(always)]
     pub fn quotient(&self, x: u128) -> (u128, bool) {

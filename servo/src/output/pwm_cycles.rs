@@ -117,6 +117,10 @@ impl PwmCycles {
         }
         self.train = *train;
         if self.runs && !train.is_none() {
+            if self.period_end == NEVER {
+                // The remainder of a pause is not where another train begins.
+                self.begins = at;
+            }
             let end = self.period_begin.saturating_add(train.period.whole).max(at).max(self.pulse_end);
             self.period_end = self.period_end.min(end);
         }
@@ -145,10 +149,10 @@ impl PwmCycles {
             next = next.max(at.wrapping_add(1));
             self.cut(next.wrapping_sub(1));
         }
+        // The remainder of a pause is not where another train begins.
+        self.begins = if self.runs { at } else { next };
         if self.runs {
             self.period_end = next
-        } else {
-            self.begins = next
         }
         self.pattern = Pattern::of_rate(part);
     }
