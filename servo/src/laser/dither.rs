@@ -369,6 +369,12 @@ impl Pattern {
 /// ppm of a second at 240 MHz.
 const TOGETHER_MAX_PERIODS: u32 = 256;
 
+/// ⌊x / n⌋ below 2³². A function of its own: memory for the tick's code is scarce.
+#[inline(never)]
+fn divided(x: u64, n: u32) -> u32 {
+    Divisor::new(n).floor(x)
+}
+
 /// One of a train's two counts in [`TrainSteps`].
 #[derive(Debug, Clone, Copy)]
 struct CountStep {
@@ -397,13 +403,13 @@ impl CountStep {
 
     /// How many of the next `n` counts have one more; the accumulator goes on after them. Whoever
     /// makes a [`Count`] keeps its denominator below 2³¹, or 2³².
-    #[inline(never)]
+    #[inline(always)]
     fn odd(&mut self, n: u32) -> u32 {
         let sum = (self.gathered as u64).wrapping_add(n as u64 * self.part as u64);
         let (odd, left) = if self.of == 0 {
             ((sum >> 32) as u32, sum as u32)
         } else {
-            let odd = Divisor::new(self.of).floor(sum);
+            let odd = divided(sum, self.of);
             (odd, (sum as u32).wrapping_sub(odd.wrapping_mul(self.of)))
         };
         self.gathered = left;
@@ -457,11 +463,10 @@ impl TrainSteps {
         let longest = self.period.whole.wrapping_add(1);
         let mut left = left;
         if let Some(mut room) = left.checked_sub(alone) {
-            let by = Divisor::new(longest);
             // As many as have room if all are long; what a part that is not full leaves goes alone.
             let mut n = TOGETHER_MAX_PERIODS;
             while n == TOGETHER_MAX_PERIODS {
-                n = by.floor(room.into()).min(n);
+                n = divided(room.into(), longest).min(n);
                 let counts = self.queue_together(n, sink);
                 (room, left) = (room.wrapping_sub(counts), left.wrapping_sub(counts));
             }
