@@ -19,6 +19,8 @@ use servo::units::{Axis, Pos};
 #[derive(Debug)]
 pub struct Machine {
     levels: PinLevels,
+    /// The inputs of axes among them, as [`AxisInputs::bits`]: unpacked when one changes.
+    inputs: [u8; AXES],
     steps: Steps,
     encoders: Encoders,
     analog: Analog,
@@ -42,6 +44,7 @@ impl Machine {
     pub fn new(lasers: Lasers, analog: Analog, adc: Adc, is_blocked: bool) -> Machine {
         Machine {
             levels: PinLevels::LOW,
+            inputs: PinLevels::LOW.axes(),
             steps: Steps::AT_REST,
             encoders: Encoders::AT_ZERO,
             analog,
@@ -68,7 +71,11 @@ impl Machine {
             pins::set(self.next.0, self.next.1);
         }
         self.next.1 = self.after_next;
-        self.levels = PinLevels::read();
+        let levels = PinLevels::read();
+        if levels.differ(&self.levels) {
+            self.inputs = levels.axes();
+        }
+        self.levels = levels;
         for (axis, reached) in self.reached.iter_mut().enumerate() {
             *reached = self.steps.reached(axis);
         }
@@ -83,14 +90,7 @@ impl Machine {
 
 impl Port for Machine {
     fn inputs(&mut self, axis: Axis) -> AxisInputs {
-        let (levels, axis) = (&self.levels, axis.index());
-        AxisInputs {
-            limit_positive: levels.limit_positive(axis),
-            limit_negative: levels.limit_negative(axis),
-            alarm: levels.alarm(axis),
-            home: levels.home(axis),
-            arrive: false,
-        }
+        AxisInputs::of_bits(self.inputs.get(axis.index()).copied().unwrap_or(0))
     }
 
     fn encoder(&mut self, axis: Axis) -> i64 {

@@ -6,7 +6,7 @@
 use super::boards::BOARD;
 use super::wiring::{Assigned, Pin, number_of};
 use servo::output::step_generator;
-use servo::port::{GeneralInputs, GeneralOutputs};
+use servo::port::{AxisInputs, GeneralInputs, GeneralOutputs};
 use stm32_metapac::RCC;
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::vals::{Moder, Ospeedr, Pupdr};
@@ -22,6 +22,8 @@ pub const GENERAL_OUTPUTS: usize = BOARD.general_out.len();
 /// Ports of all pins, and of those that ticks drive.
 const PORTS: [Gpio; BOARD.uses().count()] = BOARD.uses().ports();
 const OUT: [Gpio; BOARD.driven_in_ticks().count()] = BOARD.driven_in_ticks().ports();
+/// The inputs of axes, a bit each, of every port.
+const OF_AXES: [u16; PORTS.len()] = BOARD.axis_inputs().of(&PORTS);
 
 /// Gives a port its clock.
 fn clock(port: Gpio) {
@@ -200,24 +202,21 @@ impl PinLevels {
         pins.get(index).is_some_and(|pin| self.at(*pin))
     }
 
-    /// Positive limit of an axis, from 0.
-    pub fn limit_positive(&self, axis: usize) -> bool {
-        self.of(BOARD.limit_positive, axis)
+    /// The inputs of all axes, as [`AxisInputs::bits`].
+    pub fn axes(&self) -> [u8; AXES] {
+        core::array::from_fn(|axis| {
+            let of = |pins: &[Pin]| self.of(pins, axis);
+            let [limit_positive, limit_negative] = [of(BOARD.limit_positive), of(BOARD.limit_negative)];
+            let [alarm, home] = [of(BOARD.alarm), of(BOARD.home)];
+            AxisInputs { limit_positive, limit_negative, alarm, home, arrive: false }.bits()
+        })
     }
 
-    /// Negative limit of an axis, from 0.
-    pub fn limit_negative(&self, axis: usize) -> bool {
-        self.of(BOARD.limit_negative, axis)
-    }
-
-    /// Home switch of an axis, from 0.
-    pub fn home(&self, axis: usize) -> bool {
-        self.of(BOARD.home, axis)
-    }
-
-    /// Drive alarm of an axis, from 0.
-    pub fn alarm(&self, axis: usize) -> bool {
-        self.of(BOARD.alarm, axis)
+    /// Whether an input of an axis differs.
+    #[inline]
+    pub fn differ(&self, before: &PinLevels) -> bool {
+        let ports = self.ports.iter().zip(&before.ports).zip(OF_AXES);
+        ports.fold(0, |differ, ((now, before), of_axes)| differ | (now ^ before) & of_axes) != 0
     }
 
     /// General inputs, bit 0 the first.

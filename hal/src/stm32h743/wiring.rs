@@ -226,6 +226,16 @@ impl Uses {
         count
     }
 
+    /// The pins of these ports, a bit each.
+    pub const fn of<const N: usize>(&self, ports: &[Gpio; N]) -> [u16; N] {
+        let (mut pins, mut n) = ([0; N], 0);
+        while n < N {
+            pins[n] = self.pins[number_of(ports[n])];
+            n += 1;
+        }
+        pins
+    }
+
     /// These ports, in order; `N` is [`Uses::count`].
     pub const fn ports<const N: usize>(&self) -> [Gpio; N] {
         let mut ports = [port_of(0); N];
@@ -245,6 +255,11 @@ impl Wiring {
     /// Pins of enables and general outputs.
     pub const fn driven_in_ticks(&self) -> Uses {
         Uses::NONE.and_all(self.enable).and_all(self.general_out)
+    }
+
+    /// Pins of limits, home switches and alarms.
+    pub const fn axis_inputs(&self) -> Uses {
+        Uses::NONE.and_all(self.limit_positive).and_all(self.limit_negative).and_all(self.home).and_all(self.alarm)
     }
 
     /// All pins. An LED may be one of the outputs.

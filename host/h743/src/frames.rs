@@ -66,6 +66,7 @@ impl Machine {
         engine.set(Register::Xpsr, taken as u32 | 1 << 24);
         engine.set(Register::Pc, handler);
         self.chip.scs.exceptions.begin(taken);
+        self.chip.note(taken, true);
         self.set_running(taken);
         let is_eager = floating && self.chip.scs.fpccr & LSPEN == 0;
         self.spend(ENTRY + if is_eager { u64::from(EXTENDED - BASIC - 4) / 4 } else { 0 });
@@ -102,6 +103,7 @@ impl Machine {
             self.engine().set(Register::Faultmask, 0);
         }
         self.chip.scs.exceptions.end(running);
+        self.chip.note(running, false);
         let engine = self.engine();
         let frame = engine.register(if process { Register::Psp } else { Register::Sp });
         let size = if floating { EXTENDED } else { BASIC };

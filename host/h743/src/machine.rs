@@ -36,6 +36,34 @@ const LEFT: u32 = 0x3004_7f00;
 /// Registers of the MPU.
 const MPU: std::ops::Range<u32> = 0xe000_ed94..0xe000_edbc;
 
+/// The instructions of each run of a handler, from its vector to its return; those of handlers that
+/// come in between are among them.
+#[derive(Debug, Default)]
+pub struct Counted {
+    /// The exception.
+    pub exception: usize,
+    began: Option<u64>,
+    /// Of each run, in order.
+    pub runs: Vec<u64>,
+}
+
+impl Counted {
+    /// Of an exception, from its next run on.
+    pub fn of(exception: usize) -> Counted {
+        Counted { exception, ..Counted::default() }
+    }
+
+    /// An exception begins, or ends, after so many instructions.
+    pub(crate) fn note(&mut self, exception: usize, begins: bool, instructions: u64) {
+        if exception != self.exception {
+        } else if begins {
+            self.began = Some(instructions);
+        } else {
+            self.runs.extend(self.began.take().map(|began| instructions - began));
+        }
+    }
+}
+
 /// What surrounds the core, while it runs.
 pub struct Chip {
     /// Memories.
@@ -51,6 +79,8 @@ pub struct Chip {
     pub now: Time,
     /// Instructions executed.
     pub instructions: u64,
+    /// An exception whose handler's instructions are counted.
+    pub counted: Option<Counted>,
     cycle: Time,
     limit: Time,
     /// The machine has to look before the next instruction.
@@ -128,7 +158,14 @@ impl Chip {
         fails
     }
 
-    fn note(&mut self, complaint: String) {
+    /// An exception begins, or ends.
+    pub(crate) fn note(&mut self, exception: usize, begins: bool) {
+        if let Some(counted) = &mut self.counted {
+            counted.note(exception, begins, self.instructions);
+        }
+    }
+
+    fn complain(&mut self, complaint: String) {
         if !self.bus.complaints.contains(&complaint) {
             self.bus.complaints.push(complaint);
         }
@@ -167,7 +204,7 @@ impl Guest for Chip {
         };
         self.after_access();
         let Some(value) = value else {
-            self.note(format!("{address:#010x} is read at {:#010x}: not modelled", self.at));
+            self.complain(format!("{address:#010x} is read at {:#010x}: not modelled", self.at));
             return 0;
         };
         let value = value >> (8 * (address & 3));
@@ -193,13 +230,15 @@ impl Guest for Chip {
             self.bus.write(aligned, value, mask, self.now, &mut self.scs.exceptions)
         };
         if done.is_none() {
-            self.note(format!("{address:#010x} is written at {:#010x}: not modelled", self.at));
+            self.complain(format!("{address:#010x} is written at {:#010x}: not modelled", self.at));
         }
         self.after_access();
         if DMA_STREAMS.contains(&aligned) {
             for (base, size) in self.bus.dma.spans() {
                 if self.scs.holds_back(base) || self.scs.holds_back(base + size.max(1) - 1) {
-                    self.note(format!("a DMA uses {size} bytes at {base:#010x}, which the core's cache holds back"));
+                    self.complain(format!(
+                        "a DMA uses {size} bytes at {base:#010x}, which the core's cache holds back"
+                    ));
                 }
             }
         }
@@ -250,6 +289,7 @@ impl Machine {
             dwt: Dwt::default(),
             now: 0,
             instructions: 0,
+            counted: None,
             cycle: crate::clocks::Clocks::RESET.core,
             limit: NEVER,
             attention: false,
@@ -355,7 +395,7 @@ impl Machine {
                 // nothing to give back.
                 let done = self.engine.forbid(first as u32, (end - first) as u32, forbidden);
                 if forbidden && done.is_err() {
-                    self.chip.note(format!("the MPU's guard of {size} bytes at {base:#010x} is no whole page"));
+                    self.chip.complain(format!("the MPU's guard of {size} bytes at {base:#010x} is no whole page"));
                 }
             }
         }

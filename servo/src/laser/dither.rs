@@ -406,7 +406,9 @@ impl CountStep {
     #[inline(always)]
     fn odd(&mut self, n: u32) -> u32 {
         let sum = (self.gathered as u64).wrapping_add(n as u64 * self.part as u64);
-        let (odd, left) = if self.of == 0 {
+        let (odd, left) = if self.part == 0 {
+            (0, self.gathered)
+        } else if self.of == 0 {
             ((sum >> 32) as u32, sum as u32)
         } else {
             let odd = divided(sum, self.of);
