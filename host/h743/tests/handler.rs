@@ -22,7 +22,7 @@ use std::sync::{Arc, Mutex};
 /// The interrupt of TIM2, as an exception.
 const TICK: usize = 16 + 28;
 /// Ticks of a row where nothing says more.
-const TICKS: usize = 1_000;
+const TICKS: usize = 300;
 /// A row may grow by 3 % and 8 instructions, as those of `cargo xtask ticks` may.
 fn bound(stated: u64) -> u64 {
     stated + stated * 3 / 100 + 8
@@ -125,7 +125,7 @@ fn run_axes(client: &Client, axes: Range<i16>) {
 }
 
 /// Lines of 2 ms whose speeds go from 400 to 500 pulse/ms and back: the power changes in every tick.
-fn run_paths(client: &Client) {
+fn fill_paths(client: &Client) {
     let (core, fifo) = (1.into(), 0.into());
     for (crd, channel, axes) in [(1i16, 0i16, 0), (2, 1, 2)] {
         let (crd, channel) = (crd.into(), channel.into());
@@ -155,7 +155,6 @@ fn run_paths(client: &Client) {
             client.call(LnXY { core, crd, x, y, syn_vel, syn_acc, vel_end, fifo }).unwrap();
         }
     }
-    client.call(CrdStart { core, mask: 3.into(), option: 0.into() }).unwrap();
 }
 
 /// The instructions of each tick, of `count` at most, and whether a tick overran, which ends the
@@ -173,19 +172,27 @@ fn counted(elf: &[u8], load: &Load, tick_us: i32, count: usize) -> (Vec<u64>, bo
         client.call(SetAxisMode { core, axis: axis.into(), mode: 1.into() }).unwrap();
         client.call(LaserOutFrq { core, frequency: 2000.0.into(), channel }).unwrap();
         client.call(LaserPrfCmd { core, power: 33.3.into(), channel }).unwrap();
-        if !load.paths {
-            client.call(SetHSIOOpt { core, value: 1.into(), channel }).unwrap();
-        }
     }
-    if load.paths {
-        run_paths(&client);
-    }
+    // One after the other: what begins takes a tick longer than what goes on.
+    let settle = || lock(&shared).run(5 * MILLISECOND);
     if !load.axes.is_empty() {
         run_axes(&client, load.axes.clone());
+        settle();
     }
-    // What begins is over.
+    if load.paths {
+        fill_paths(&client);
+        for mask in [1i16, 2] {
+            settle();
+            client.call(CrdStart { core, mask: mask.into(), option: 0.into() }).unwrap();
+        }
+    }
+    for channel in (0..2i16).filter(|_| load.carriers && !load.paths) {
+        // A tick that overran keeps the lasers dark, which is asked at the end.
+        let _ = client.call(SetHSIOOpt { core, value: 1.into(), channel: channel.into() });
+        settle();
+    }
     let lasts = tick_us as Time * MICROSECOND;
-    lock(&shared).run(10 * MILLISECOND);
+    settle();
     {
         let mut machine = lock(&shared);
         machine.chip.counted = Some(Counted::of(TICK));
