@@ -191,8 +191,8 @@ pub struct Outputs {
     /// chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub xy: Option<PathBuf>,
-    /// The axes of --xy and of the page: across, then up. N is an axis of core 1; others are named as in a CSV,
-    /// core2_axis1. Without it, the first two axes of the trace.
+    /// The axes of --xy and of the page: across, then up. N is an axis of core 1; others are named
+    /// as in a CSV, core2_axis1. Without it, the first two axes of the trace.
     #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "path")]
     pub xy_axes: Option<(AxisName, AxisName)>,
     /// A row every N ticks. A link without a stream for the trace may need more; the summary shows

@@ -192,8 +192,8 @@ impl Recording {
         self.failed.is_some() || self.reader.ended()
     }
 
-    /// Closes the files; the pictures are drawn here. What was recorded, and what failed: files that
-    /// are not whole are left as [`Recording::cut_off`] leaves them.
+    /// Closes the files; the pictures are drawn here. What was recorded, and what failed: files
+    /// that are not whole are left as [`Recording::cut_off`] leaves them.
     pub fn finish(mut self) -> (Option<Recorded>, Option<Failure>) {
         let broken = match (self.failed.take(), &self.sinks.open) {
             (Some(error), _) => Some(error.into()),
