@@ -550,7 +550,7 @@ namespace gts
         /// <summary>Free slots of a FIFO of a coordinate system.</summary>
         [DllImport(Library)]
         public static extern short GT_CrdSpace(short crd, out int space, short fifo = 0);
-        /// <summary>Starts coordinate systems (mask), with FIFO 0 or 1 (option).</summary>
+        /// <summary>Starts coordinate systems (bit k - 1 of mask is crd k); option bits take FIFO 1.</summary>
         [DllImport(Library)]
         public static extern short GT_CrdStart(short mask, short option = 0);
         /// <summary>Stops coordinate systems, smoothly or (option) abruptly.</summary>
@@ -586,7 +586,7 @@ namespace gts
         /// <summary>Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments.</summary>
         [DllImport(Library)]
         public static extern short GT_InitLookAhead(short crd, short fifo, double T, double accMax, short n, IntPtr lookAheadBuf = default(IntPtr));
-        /// <summary>Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2.</summary>
+        /// <summary>Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2; 0 is none.</summary>
         [DllImport(Library)]
         public static extern short GT_SetCrdLimit(short crd, short coordinate, double velMax, double accMax);
         /// <summary>The limits of one coordinate for look-ahead.</summary>
@@ -1438,7 +1438,7 @@ namespace gts
         /// <summary>Free slots of a FIFO of a coordinate system.</summary>
         [DllImport(Library)]
         public static extern short GTN_CrdSpace(short core, short crd, out int space, short fifo = 0);
-        /// <summary>Starts coordinate systems (mask), with FIFO 0 or 1 (option).</summary>
+        /// <summary>Starts coordinate systems (bit k - 1 of mask is crd k); option bits take FIFO 1.</summary>
         [DllImport(Library)]
         public static extern short GTN_CrdStart(short core, short mask, short option = 0);
         /// <summary>Stops coordinate systems, smoothly or (option) abruptly.</summary>
@@ -1474,7 +1474,7 @@ namespace gts
         /// <summary>Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments.</summary>
         [DllImport(Library)]
         public static extern short GTN_InitLookAhead(short core, short crd, short fifo, double T, double accMax, short n, IntPtr lookAheadBuf = default(IntPtr));
-        /// <summary>Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2.</summary>
+        /// <summary>Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2; 0 is none.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetCrdLimit(short core, short crd, short coordinate, double velMax, double accMax);
         /// <summary>The limits of one coordinate for look-ahead.</summary>
@@ -2327,7 +2327,7 @@ namespace gts
         /// <summary>Free slots of a FIFO of a coordinate system.</summary>
         [DllImport(Library, EntryPoint = "GTM_CrdSpace")]
         public static extern short GT_CrdSpace(short cardNum, short crd, out int space, short fifo = 0);
-        /// <summary>Starts coordinate systems (mask), with FIFO 0 or 1 (option).</summary>
+        /// <summary>Starts coordinate systems (bit k - 1 of mask is crd k); option bits take FIFO 1.</summary>
         [DllImport(Library, EntryPoint = "GTM_CrdStart")]
         public static extern short GT_CrdStart(short cardNum, short mask, short option = 0);
         /// <summary>Stops coordinate systems, smoothly or (option) abruptly.</summary>
@@ -2363,7 +2363,7 @@ namespace gts
         /// <summary>Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments.</summary>
         [DllImport(Library, EntryPoint = "GTM_InitLookAhead")]
         public static extern short GT_InitLookAhead(short cardNum, short crd, short fifo, double T, double accMax, short n, IntPtr lookAheadBuf = default(IntPtr));
-        /// <summary>Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2.</summary>
+        /// <summary>Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2; 0 is none.</summary>
         [DllImport(Library, EntryPoint = "GTM_SetCrdLimit")]
         public static extern short GT_SetCrdLimit(short cardNum, short crd, short coordinate, double velMax, double accMax);
         /// <summary>The limits of one coordinate for look-ahead.</summary>

@@ -1,7 +1,7 @@
 //! Why a command was refused: a return code (SPEC 3) and a reason. A person can read the reason
 //! once the host has added the names of command and parameter.
 
-use crate::command::Wire;
+use crate::command::{Wire, opcode};
 use core::fmt::{self, Display, Formatter};
 use zerocopy::little_endian::{F64, I16, U16};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
@@ -309,70 +309,113 @@ pub const fn laser_ignored(number: u16) -> &'static str {
 ///
 /// `field` is the name of the parameter; an empty one is printed as "the value".
 pub fn describe<'a>(request: &'a str, field: &'a str, refusal: Refusal) -> impl Display + 'a {
-    Description { request, field, refusal }
+    Description { opcode: 0, request, field, is_array: false, refusal }
 }
 
 /// As [`describe`], with the names that the command table has for `opcode`.
+///
+/// The alternate form (`{:#}`) is for persons: an element of an array is named as `profile[1]`,
+/// limits that are none are left out, small ones are rounded, and some reasons say what helps.
 pub fn describe_opcode(opcode: u16, refusal: Refusal) -> impl Display {
     let command = crate::command::info(opcode);
     // A parameter of an item is counted after those of the request.
     let field = command.and_then(|command| command.fields.iter().chain(command.items).nth(refusal.field.into()));
     Description {
+        opcode,
         request: command.map_or("", |command| command.name),
         field: field.map_or("", |(name, _)| name),
+        is_array: field.is_some_and(|(_, of)| of.starts_with('[')),
         refusal,
     }
 }
 
 struct Description<'a> {
+    opcode: u16,
     request: &'a str,
     field: &'a str,
+    /// The parameter has several values; the item is the place of one.
+    is_array: bool,
     refusal: Refusal,
+}
+
+impl Description<'_> {
+    /// The reason's text as a person reads it.
+    fn plainly(&self, reason: Reason) -> &'static str {
+        let (low, high) = (self.refusal.low.get(), self.refusal.high.get());
+        match (reason, self.opcode) {
+            (Reason::OutOfRange, _) if high == f64::MAX => match low {
+                f64::MIN => "{field} is {got}; it must be a finite number",
+                low if 0.0 < low && low < SMALL => "{field} is {got}; it must be above 0 (at least {low})",
+                _ => "{field} is {got}; it must be {low} or more",
+            },
+            (Reason::Between, opcode::SetCrdLimit) => {
+                "{field} is {got}; it must be 0, which is no limit, or above {low} and below {high}"
+            }
+            (Reason::CrdFull, _) => "coordinate system {axis}: the FIFO is full; {high} entries fit",
+            (Reason::NoLength, opcode::ArcXYR | opcode::ArcYZR | opcode::ArcZXR) => {
+                "the motion has no length: its target is where it begins; a full circle is made by its centre (ArcXYC, ArcYZC, ArcZXC)"
+            }
+            _ => reason.text(),
+        }
+    }
 }
 
 impl Display for Description<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let refusal = &self.refusal;
+        let is_plain = f.alternate();
         if !self.request.is_empty() {
             write!(f, "{}: ", self.request)?;
         }
         let Some(reason) = refusal.reason() else {
             return write!(f, "refused for reason {}, which this client does not know", refusal.reason.get());
         };
-        let mut rest = reason.text();
+        let item = Some(refusal.item.get()).filter(|item| *item != Refusal::NO_ITEM);
+        let element = item.filter(|_| is_plain && self.is_array);
+        let limit = if is_plain { rounded } else { exact };
+        let mut rest = if is_plain { self.plainly(reason) } else { reason.text() };
         while let Some((before, after)) = rest.split_once('{') {
             f.write_str(before)?;
             let Some((name, after)) = after.split_once('}') else { break };
-            match name {
-                "field" if self.field.is_empty() => f.write_str("the value")?,
-                "field" => f.write_str(self.field)?,
-                "got" => plain(f, refusal.got.get())?,
-                "low" => plain(f, refusal.low.get())?,
-                "high" => plain(f, refusal.high.get())?,
-                "cause" => f.write_str(match refusal.high.get() as i16 {
+            match (name, element) {
+                ("field", _) if self.field.is_empty() => f.write_str("the value")?,
+                ("field", Some(element)) => write!(f, "{}[{element}]", self.field)?,
+                ("field", None) => f.write_str(self.field)?,
+                ("got", _) => exact(f, refusal.got.get())?,
+                ("low", _) => limit(f, refusal.low.get())?,
+                ("high", _) => limit(f, refusal.high.get())?,
+                ("cause", _) => f.write_str(match refusal.high.get() as i16 {
                     0 => "one that was cleared since",
                     cause => laser_cause(cause),
                 })?,
-                "stop" => f.write_str(stop_reason(refusal.high.get() as u16))?,
-                "axis" => write!(f, "{}", refusal.axis.get())?,
+                ("stop", _) => f.write_str(stop_reason(refusal.high.get() as u16))?,
+                ("axis", _) => write!(f, "{}", refusal.axis.get())?,
                 _ => write!(f, "{{{name}}}")?,
             }
             rest = after;
         }
         f.write_str(rest)?;
-        match refusal.item.get() {
-            Refusal::NO_ITEM => Ok(()),
-            item => write!(f, " (item {})", u32::from(item).wrapping_add(1)),
+        match item.filter(|_| element.is_none()) {
+            None => Ok(()),
+            Some(item) => write!(f, " (item {})", u32::from(item) + 1),
         }
     }
 }
 
 /// Whole numbers without decimals; very large and very small ones with an exponent.
-fn plain(f: &mut Formatter<'_>, value: f64) -> fmt::Result {
+fn exact(f: &mut Formatter<'_>, value: f64) -> fmt::Result {
     let size = if value < 0.0 { -value } else { value };
     if size.is_finite() && size != 0.0 && !(1e-6..1e16).contains(&size) {
         write!(f, "{value:e}")
     } else {
         write!(f, "{value}")
     }
+}
+
+/// Limits below this are rounded for persons.
+const SMALL: f64 = 1e-3;
+
+/// The same of a limit, four digits of a small one: those are powers of two.
+fn rounded(f: &mut Formatter<'_>, value: f64) -> fmt::Result {
+    if 0.0 < value && value < SMALL { write!(f, "{value:.3e}") } else { exact(f, value) }
 }

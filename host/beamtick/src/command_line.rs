@@ -61,6 +61,11 @@ pub enum Command {
     /// Runs a job on a board, real or emulated.
     Run(Run),
     /// Reads a job and shows what it would do, without a controller.
+    ///
+    /// It finds what is wrong with the text: names, numbers of parameters, values that their types
+    /// do not hold, configuration files. Of G-code and drawings it also finds what leaves the
+    /// travel of the machine. Limits of the controller and states are what `sim` finds: a power
+    /// beyond its range, an axis that is off, a full FIFO, a soft limit.
     Check(Check),
     /// Runs the virtual controller in real time and serves it over TCP to other clients.
     Serve(Serve),
@@ -164,6 +169,7 @@ pub fn panels(names: &[PanelName]) -> Panels {
 /// What is recorded and shown.
 #[derive(Debug, Clone, Args)]
 #[command(group = ArgGroup::new("picture").args(["plot", "html", "xy"]).multiple(true))]
+#[command(group = ArgGroup::new("path").args(["html", "xy"]).multiple(true))]
 pub struct Outputs {
     /// Writes position and velocity of the axes used, gate, power and frequency of the lasers used,
     /// a row each tick.
@@ -185,9 +191,9 @@ pub struct Outputs {
     /// chooses SVG or PNG.
     #[arg(long, value_name = "FILE.svg|png")]
     pub xy: Option<PathBuf>,
-    /// The axes of --xy: across, then up. N is an axis of core 1; others are named as in a CSV,
-    /// core2_axis1. Without it, the first two axes of the trace.
-    #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "picture")]
+    /// The axes of --xy and of the page: across, then up. N is an axis of core 1; others are named
+    /// as in a CSV, core2_axis1. Without it, the first two axes of the trace.
+    #[arg(long, value_name = "X,Y", value_parser = axis_pair, requires = "path")]
     pub xy_axes: Option<(AxisName, AxisName)>,
     /// A row every N ticks. A link without a stream for the trace may need more; the summary shows
     /// it.
@@ -553,10 +559,10 @@ pub struct Serve {
 
 /// Two names of axes.
 fn axis_pair(text: &str) -> Result<(AxisName, AxisName), String> {
-    let wrong = || format!("`{text}` are not two axes: 1,2 or axis1,core2_axis1");
+    let wrong = || "two axes are 1,2, or as the columns of a CSV name them: axis1,core2_axis1".to_owned();
     let (x, y) = text.split_once(',').ok_or_else(wrong)?;
     let pair = (axis_name(x).ok_or_else(wrong)?, axis_name(y).ok_or_else(wrong)?);
-    if pair.0 == pair.1 { Err("both are the same axis".to_owned()) } else { Ok(pair) }
+    if pair.0 == pair.1 { Err("both are the same axis; two axes are 1,2".to_owned()) } else { Ok(pair) }
 }
 
 /// `N`, `axisN` or `coreM_axisN`, from 1.

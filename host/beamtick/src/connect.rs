@@ -48,8 +48,32 @@ pub fn real_time(tick_us: Option<u32>, profile: ProductProfile) -> Result<(Serve
     Ok((served, link))
 }
 
+/// What a link may be.
+const LINKS: [&str; 4] = ["tcp", "serial", "qemu", "virtual"];
+
+/// Fails where a name is none of a link.
+pub fn check(name: &str) -> Result<(), Failure> {
+    let (kind, place) = name.split_once(':').map_or((name, None), |(kind, place)| (kind, Some(place)));
+    let near = || match job::nearest(kind, LINKS.into_iter()).first() {
+        Some(known) if *known != kind => format!("; the nearest known word is {known}"),
+        _ => String::new(),
+    };
+    let is_link = match (kind, place) {
+        ("tcp", Some(place)) => place.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok()),
+        ("serial", Some(port)) => !port.is_empty(),
+        ("qemu", _) | ("virtual", None) => true,
+        _ => false,
+    };
+    if is_link {
+        return Ok(());
+    }
+    let known = "a link is tcp:HOST:PORT, serial:PATH[:BAUD], qemu or virtual";
+    Err(Failure::Input(format!("--link {name}: {known}{}", near())))
+}
+
 /// The link of this name.
 pub fn named(name: &str, options: &LinkOptions) -> Result<Box<dyn Link>, Failure> {
+    check(name)?;
     Ok(match name {
         "qemu" => {
             let image = client::qemu::image(options.image.clone()).map_err(|error| Failure::Input(error.reason))?;

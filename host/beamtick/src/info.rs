@@ -178,8 +178,10 @@ impl fmt::Display for Facts {
 /// Prints version, board, profile, counts and limits.
 pub fn show(arguments: &Info) -> Result<(), Failure> {
     let client = match &arguments.link {
-        Some(link) => linked(named(link, &arguments.link_options)?, &arguments.settings, None, None)?,
-        None => simulated(&arguments.settings, Steps::default(), None)?,
+        Some(link) if link != "virtual" => {
+            linked(named(link, &arguments.link_options)?, &arguments.settings, None, None)?
+        }
+        _ => simulated(&arguments.settings, Steps::default(), None)?,
     };
     let facts = facts(&client)?;
     let text = facts.to_string();

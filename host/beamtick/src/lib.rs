@@ -57,10 +57,11 @@ mod totals;
 mod waits;
 
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use client::Link;
 use command_line::{Command, CommandLine};
 use interrupt::Signal;
-use std::io::{ErrorKind, Write};
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// Why the program ends with an error.
@@ -91,7 +92,7 @@ pub fn main() -> ExitCode {
     interrupt::watch();
     let outcome = match CommandLine::try_parse() {
         Ok(line) => obey(&line),
-        Err(shown) => return help(&shown),
+        Err(shown) => return help(with_tip(shown)),
     };
     let done = outcome.is_ok();
     let code = ended(outcome);
@@ -111,11 +112,20 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// An option that is given twice: what to do instead.
+fn with_tip(mut error: clap::Error) -> clap::Error {
+    if error.kind() == ErrorKind::ArgumentConflict && error.to_string().contains("multiple times") {
+        let tip = "give it once; `beamtick plot` draws any number of pictures of a --trace";
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
+}
+
 /// Prints the help, the version, or what is wrong with the command line.
-fn help(shown: &clap::Error) -> ExitCode {
-    match shown.print().and_then(|()| std::io::stdout().flush()) {
+fn help(shown: clap::Error) -> ExitCode {
+    match shown.print().and_then(|()| io::stdout().flush()) {
         // Its reader may have seen enough.
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             complain!("the standard output cannot be written: {error}");
             printer::finish(None);
             ExitCode::from(1)

@@ -5,6 +5,7 @@
 use crate::Failure;
 use crate::command_line::Check;
 use crate::source::Source;
+use crate::summary::counted;
 use crate::{json, reply};
 use job::Action;
 use serde::Serialize;
@@ -99,10 +100,10 @@ impl fmt::Display for Facts {
                 return write!(f, "  it holds no motion: nothing would move, and nothing be marked");
             }
             let dark = path.length_mm - path.marks_mm;
-            let calls = self.step_count;
+            let calls = counted(self.step_count as i64, "call", "calls");
             return write!(
                 f,
-                "  it fits the machine; {dark:.3} mm in the dark, {calls} calls, which `beamtick import` writes"
+                "  it fits the machine; {dark:.3} mm in the dark, {calls}, which `beamtick import` writes"
             );
         }
         writeln!(f, "{:>6}  {:>14}  step", "line", "script clock")?;
@@ -112,8 +113,13 @@ impl fmt::Display for Facts {
             writeln!(f, "{line:>6}  {time:>14}  {what}")?;
         }
         let axes = if self.axes.is_empty() { "none".to_owned() } else { self.axes.join(" ") };
-        let (steps, warnings) = (self.step_count, self.warnings);
-        write!(f, "{}: {steps} steps, {warnings} warnings; axes used (core.axis): {axes}", self.job)
+        let steps = counted(self.step_count as i64, "step", "steps");
+        let warnings = counted(self.warnings as i64, "warning", "warnings");
+        writeln!(f, "{}: {steps}, {warnings}; axes used (core.axis): {axes}", self.job)?;
+        write!(
+            f,
+            "  the text is right; limits and states (an axis that is off, a soft limit) are what `beamtick sim` finds"
+        )
     }
 }
 

@@ -7,7 +7,7 @@ use crate::Failure;
 use crate::command_line::{MachineAction, MachineFile, NewMachine};
 use crate::input::{self, Role};
 use machine::{Machine, Question};
-use std::io::{BufRead, Write};
+use std::io::{BufRead, ErrorKind, Write};
 use std::path::Path;
 use trace::{AxisName, Millimetres};
 
@@ -25,8 +25,13 @@ pub fn obey(arguments: &MachineFile) -> Result<(), Failure> {
 /// Reads a machine file; `laser` is the one that is chosen.
 pub fn open(path: &Path, laser: Option<&str>) -> Result<Machine, Failure> {
     let name = path.display().to_string();
-    let text = input::read(path, Role::Machine)
-        .map_err(|error| Failure::Input(format!("{name}: the machine file cannot be read: {error}")))?;
+    let text = input::read(path, Role::Machine).map_err(|error| {
+        let help = match error.kind() {
+            ErrorKind::NotFound => format!("; `beamtick machine new {name}` writes one"),
+            _ => String::new(),
+        };
+        Failure::Input(format!("{name}: the machine file cannot be read: {error}{help}"))
+    })?;
     let text = String::from_utf8(text)
         .map_err(|_| Failure::Input(format!("{name}: the machine file is not UTF-8 text; save it as UTF-8")))?;
     Machine::read_for(&name, &text, laser).map_err(Failure::Input)

@@ -192,9 +192,9 @@ impl Recording {
         self.failed.is_some() || self.reader.ended()
     }
 
-    /// Closes the files; the pictures are drawn here. What is not whole is left as
-    /// [`Recording::cut_off`] leaves it.
-    pub fn finish(mut self) -> Result<Recorded, Failure> {
+    /// Closes the files; the pictures are drawn here. What was recorded, and what failed: files
+    /// that are not whole are left as [`Recording::cut_off`] leaves them.
+    pub fn finish(mut self) -> (Option<Recorded>, Option<Failure>) {
         let broken = match (self.failed.take(), &self.sinks.open) {
             (Some(error), _) => Some(error.into()),
             (None, None) => Some(Failure::Job("trace: the controller sent none".into())),
@@ -204,18 +204,26 @@ impl Recording {
             _ => None,
         };
         if let Some(failure) = broken {
-            return Err(with_kept(failure, self.cut_off()));
+            return (None, Some(with_kept(failure, self.cut_off())));
         }
         let written = self.sinks.write();
-        let (files, open) = self.sinks.files();
-        let Some(open) = open else {
-            return Err(Failure::Job("trace: the controller sent none".into()));
+        let (streams, pictures, open) = self.sinks.files();
+        let failure = match written {
+            Ok(()) => streams.into_iter().chain(pictures).try_for_each(Output::whole).err(),
+            // The rows are there; no picture has anything to show.
+            Err(error @ TraceError::Window(_)) => {
+                let missing = Failure::Job(format!("{error}. The job has run; only the pictures are missing"));
+                let missing = with_kept(missing, pictures.into_iter().map(Output::cut_off).collect());
+                streams.into_iter().try_for_each(Output::whole).err().or(Some(missing))
+            }
+            Err(error) => {
+                let kept = streams.into_iter().chain(pictures).map(Output::cut_off).collect();
+                Some(with_kept(error.into(), kept))
+            }
         };
-        if let Err(error) = written {
-            return Err(with_kept(error.into(), files.into_iter().map(Output::cut_off).collect()));
-        }
-        files.into_iter().try_for_each(Output::whole)?;
-        Ok(Recorded { header: open.header, peaks: open.peaks, speeds: open.speeds, rows: open.rows })
+        let recorded =
+            |open: Open| Recorded { header: open.header, peaks: open.peaks, speeds: open.speeds, rows: open.rows };
+        (open.map(recorded), failure)
     }
 
     /// The job has failed: what there is is written and drawn, under names that say so. These
@@ -224,7 +232,8 @@ impl Recording {
         // A file that cannot be written or drawn is missing; only the job's own failure is
         // reported.
         let _ = self.sinks.write();
-        self.sinks.files().0.into_iter().map(Output::cut_off).collect()
+        let (streams, pictures, _) = self.sinks.files();
+        streams.into_iter().chain(pictures).map(Output::cut_off).collect()
     }
 }
 
@@ -238,11 +247,11 @@ fn with_kept(failure: Failure, kept: Vec<Kept>) -> Failure {
 }
 
 impl Sinks {
-    /// All outputs, and the trace.
-    fn files(self) -> (Vec<Output>, Option<Open>) {
+    /// The streams and the pictures, and the trace.
+    fn files(self) -> (Vec<Output>, Vec<Output>, Option<Open>) {
         let Sinks { streams, plot, page, xy, open, .. } = self;
         let pictures = plot.map(|(output, _)| output).into_iter().chain(page.map(|(output, ..)| output));
-        (streams.into_iter().chain(pictures).chain(xy.map(|(output, ..)| output)).collect(), open)
+        (streams, pictures.chain(xy.map(|(output, ..)| output)).collect(), open)
     }
 
     /// Completes the files of the trace that has begun; the first error, after all of them.

@@ -97,8 +97,12 @@ impl<'a, 's> Report<'a, 's> {
         let Some(step) = step else {
             return format!("{}: at the end of the script: returned {}: {reason}\n", self.source.name, answer.code);
         };
-        let reason = reason.replace(&format!(" of item {}", u32::from(item) + 1), "");
+        // The item is the line's own place in data that travels together.
+        let together = matches!(self.ledger.from(answer.index), Some(From::Items(_)));
+        let reason =
+            reason.strip_suffix(&format!(" (item {})", u32::from(item) + 1)).filter(|_| together).unwrap_or(reason);
         let name = name(&step);
+        let reason_of = answer.refusal().and_then(Refusal::reason);
         let beyond = answer.refusal().and_then(|refusal| profile::help(&self.version, answer.opcode, refusal));
         let help = match answer.code {
             _ if severity == Severity::Warning => "the job continues after it (#pragma continue)",
@@ -107,9 +111,12 @@ impl<'a, 's> Report<'a, 's> {
             1 if ["Start", "Update"].iter().any(|start| bare(name).contains(start)) => {
                 "the call is right, but not in the present state; calls of its instant may have acted, later ones did not"
             }
+            1 if reason_of == Some(Reason::CrdFull) => {
+                "start the path before this line, and go on with its data: a FIFO that runs makes room; later calls were not executed"
+            }
             1 => "the call is right, but not in the present state; later calls were not executed",
             7 => "correct the parameter; later calls were not executed",
-            8 if answer.refusal().is_none_or(|refusal| refusal.reason() == Some(Reason::UnknownCommand)) => {
+            8 if answer.refusal().is_none() || reason_of == Some(Reason::UnknownCommand) => {
                 "this firmware is older than the client; load the one of the same version"
             }
             _ => "",

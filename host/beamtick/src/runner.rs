@@ -179,7 +179,10 @@ fn execute(
     };
     // Dark and at standstill: a signal may end the program from here on.
     drop(held);
-    let recorded = recording.map(|recording| close(client, &recording)).transpose()?;
+    let (recorded, unrecorded) = match recording.map(|recording| close(client, &recording)) {
+        None => (None, None),
+        Some(closed) => closed?,
+    };
     let (facts, lost) = summary::facts(&summary::Run {
         source,
         client,
@@ -194,7 +197,15 @@ fn execute(
     if !json::result(json::Facts::Summary(Box::new(facts))) {
         say!("{}", text.trim_end());
     }
-    lost.map_or(Ok(()), |text| Err(Failure::Job(text)))
+    match (lost, unrecorded) {
+        (None, None) => Ok(()),
+        (None, Some(failure)) => Err(failure),
+        (Some(lost), None) => Err(Failure::Job(lost)),
+        (Some(lost), Some(failure)) => {
+            complain!("{lost}");
+            Err(failure)
+        }
+    }
 }
 
 /// Runs the entries.
@@ -307,14 +318,20 @@ fn check_xy(source: &Source, axes: Option<(AxisName, AxisName)>) -> Result<(), F
     let name = |axis: &Axis| AxisName { core: axis.core as u8, axis: axis.axis as u8 };
     let used: Vec<AxisName> = source.job.axes.iter().map(name).collect();
     let missing = axes.and_then(|(x, y)| [x, y].into_iter().find(|axis| !used.contains(axis)));
-    let what = match missing {
-        Some(axis) => format!("--xy-axes names {axis}"),
-        None if axes.is_none() && used.len() < 2 => "--xy shows two axes".to_owned(),
-        None => return Ok(()),
+    let names: Vec<String> = used.iter().map(AxisName::to_string).collect();
+    let uses = match &names[..] {
+        [] => "no axis".to_owned(),
+        [one] => format!("{one} only"),
+        _ => names.join(", "),
     };
-    let used: Vec<String> = used.iter().map(AxisName::to_string).collect();
-    let uses = if used.is_empty() { "no axis".to_owned() } else { used.join(", ") };
-    Err(Failure::Input(format!("{what}, and {} uses {uses}", source.name)))
+    let name = &source.name;
+    Err(Failure::Input(match missing {
+        Some(axis) => format!("--xy-axes: {name} does not use {axis}; it uses {uses}"),
+        None if axes.is_none() && used.len() < 2 => {
+            format!("--xy draws one axis over another, and {name} uses {uses}; --plot draws it over time")
+        }
+        None => return Ok(()),
+    }))
 }
 
 /// Bits of the laser channels that a controller has.
@@ -335,13 +352,13 @@ fn least_every(rate: u32, row: u32, tick_us: u32) -> u32 {
     u32::try_from(per_tick.div_ceil(u64::from(rate.max(1)) * u64::from(tick_us.max(1)))).unwrap_or(u32::MAX).max(1)
 }
 
-/// Waits for the trace's end and closes the files.
-fn close(client: &Client, recording: &Tape) -> Result<Recorded, Failure> {
+/// Waits for the trace's end and closes the files: what was recorded, and which file failed.
+fn close(client: &Client, recording: &Tape) -> client::Result<(Option<Recorded>, Option<Failure>)> {
     let start = client.now();
     while !is_over(recording) && client.now().saturating_sub(start) < TRACE_END {
         client.sleep(Duration::from_millis(5))?;
     }
-    take(recording).map_or_else(|| Err(Failure::Job("trace: it is closed already".into())), Recording::finish)
+    Ok(take(recording).map_or((None, None), Recording::finish))
 }
 
 /// Ends the trace of a job that has failed; the files that hold what there is of it.

@@ -104,6 +104,9 @@ impl Source {
                 import::NAMED
             )));
         }
+        if let Some(what) = other_table(&bytes, &name) {
+            return Err(Failure::Input(format!("{name}: this is no job, but {what}")));
+        }
         if plot.is_some() {
             return Err(Failure::Input(format!(
                 "{name}: --plot of `check` is for G-code and drawings; `sim` draws what a job does"
@@ -142,6 +145,11 @@ impl Source {
             Ok(Compiled { job, totals, in_parts }) => {
                 for warning in &job.warnings {
                     complain!("{}", show(warning, &name, &script).trim_end());
+                }
+                if totals.steps == 0 {
+                    let note = format!("{name}: the job has no call: nothing moves, and nothing is lit");
+                    json::note(&note);
+                    complain!("{note}");
                 }
                 let files = files.read.into_inner();
                 let (millimetres, lasers, extent) = (Vec::new(), Vec::new(), None);
@@ -246,6 +254,19 @@ impl Unread {
             Unread::Text(error) => unread(name, &error),
             Unread::Job(failure) => failure,
         }
+    }
+}
+
+/// A table with times, which no job begins with: what it is, and which command takes it.
+fn other_table(bytes: &[u8], name: &str) -> Option<String> {
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
+    let columns = bytes.strip_prefix(b"t_ms")?;
+    match columns.strip_prefix(b",input,level") {
+        Some(_) => Some(format!("a file of inputs: `beamtick sim JOB --inputs {name}` takes it")),
+        None if matches!(columns.first(), Some(b',' | b'\r' | b'\n')) => {
+            Some(format!("a trace: `beamtick plot {name} -o plot.png` draws it"))
+        }
+        None => None,
     }
 }
 

@@ -20,7 +20,7 @@ use protocol::values::status::{self, RUNNING};
 use protocol::values::{event, laser_fault, mode, path_stop, pt_state};
 use serde::Serialize;
 use std::time::Duration;
-pub(crate) use text::named;
+pub(crate) use text::{counted, named};
 use trace::Millimetres;
 
 /// What a job has done.
@@ -383,7 +383,7 @@ fn path(state: &CrdState) -> [i64; 2] {
 fn path_end(state: &CrdState) -> String {
     match (state.run, state.path_stop) {
         (0, path_stop::NEVER) => "never moved".to_owned(),
-        (0, path_stop::COMPLETED) => "its entries ran out".to_owned(),
+        (0, path_stop::COMPLETED) => "path completed".to_owned(),
         (0, path_stop::UNDERRUN) => "UNDERRUN: its entries ran out at speed".to_owned(),
         (0, _) => format!("{}; CrdStart continues", reason(state.reason.get())),
         _ => "moving".to_owned(),

@@ -311,13 +311,13 @@ fn wrong_input_has_its_own_exit_code() {
 #[test]
 fn ports_and_images_that_are_not_there() {
     let path = example("pt_static.gts");
-    for (link, part) in
-        [("serial:/dev/no-such-port", "no-such-port"), ("tcp:127.0.0.1:1", "127.0.0.1:1"), ("usb:1", "tcp:HOST:PORT")]
-    {
+    for (link, part) in [("serial:/dev/no-such-port", "no-such-port"), ("tcp:127.0.0.1:1", "127.0.0.1:1")] {
         let (_, errors, code) = beamtick(&["run", path.to_str().unwrap(), "--link", link]);
         assert_eq!(code, 1, "{errors}");
         assert!(errors.contains("-6") && errors.contains(part), "{errors}");
     }
+    let (_, errors, code) = beamtick(&["run", path.to_str().unwrap(), "--link", "usb:1"]);
+    assert!(code == 2 && errors.contains("tcp:HOST:PORT"), "{errors}");
     let (_, errors, code) = beamtick(&["run", path.to_str().unwrap(), "--link", "qemu", "--image", "no-such-image"]);
     assert!(code == 1 && errors.contains("no-such-image"), "{errors}");
 }

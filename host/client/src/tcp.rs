@@ -24,6 +24,12 @@ impl TcpLink {
         for candidate in address.to_socket_addrs().map_err(|e| Error::cannot_open(&name, e))? {
             match TcpStream::connect_timeout(&candidate, CONNECT) {
                 Ok(stream) => return Self::over(stream, name),
+                Err(e) if e.kind() == ErrorKind::ConnectionRefused => {
+                    cause = format!(
+                        "{e}: nothing listens there. A virtual controller does once `beamtick serve --listen {address}` runs; without --listen \
+                         it is at 127.0.0.1:5000"
+                    );
+                }
                 Err(e) => cause = e.to_string(),
             }
         }

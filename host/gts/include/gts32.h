@@ -405,7 +405,7 @@ GT_API GT_GetCrdPrm(short crd, TCrdPrm *crdPrm);
 GT_API GT_CrdClear(short crd, short fifo GT_DEFAULT(0));
 /* Free slots of a FIFO of a coordinate system. */
 GT_API GT_CrdSpace(short crd, int *space, short fifo GT_DEFAULT(0));
-/* Starts coordinate systems (mask), with FIFO 0 or 1 (option). */
+/* Starts coordinate systems (bit k - 1 of mask is crd k); option bits take FIFO 1. */
 GT_API GT_CrdStart(short mask, short option GT_DEFAULT(0));
 /* Stops coordinate systems, smoothly or (option) abruptly. */
 GT_API GT_CrdStop(int mask, int option GT_DEFAULT(0));
@@ -429,7 +429,7 @@ GT_API GT_SetLaserFollowFilter(short crd, double time);
 GT_API GT_GetLaserFollowFilter(short crd, double *time);
 /* Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments. */
 GT_API GT_InitLookAhead(short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
-/* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2. */
+/* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2; 0 is none. */
 GT_API GT_SetCrdLimit(short crd, short coordinate, double velMax, double accMax);
 /* The limits of one coordinate for look-ahead. */
 GT_API GT_GetCrdLimit(short crd, short coordinate, double *velMax, double *accMax);
@@ -985,7 +985,7 @@ GT_API GTN_GetCrdPrm(short core, short crd, TCrdPrm *crdPrm);
 GT_API GTN_CrdClear(short core, short crd, short fifo GT_DEFAULT(0));
 /* Free slots of a FIFO of a coordinate system. */
 GT_API GTN_CrdSpace(short core, short crd, int *space, short fifo GT_DEFAULT(0));
-/* Starts coordinate systems (mask), with FIFO 0 or 1 (option). */
+/* Starts coordinate systems (bit k - 1 of mask is crd k); option bits take FIFO 1. */
 GT_API GTN_CrdStart(short core, short mask, short option GT_DEFAULT(0));
 /* Stops coordinate systems, smoothly or (option) abruptly. */
 GT_API GTN_CrdStop(short core, int mask, int option GT_DEFAULT(0));
@@ -1009,7 +1009,7 @@ GT_API GTN_SetLaserFollowFilter(short core, short crd, double time);
 GT_API GTN_GetLaserFollowFilter(short core, short crd, double *time);
 /* Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments. */
 GT_API GTN_InitLookAhead(short core, short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
-/* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2. */
+/* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2; 0 is none. */
 GT_API GTN_SetCrdLimit(short core, short crd, short coordinate, double velMax, double accMax);
 /* The limits of one coordinate for look-ahead. */
 GT_API GTN_GetCrdLimit(short core, short crd, short coordinate, double *velMax, double *accMax);

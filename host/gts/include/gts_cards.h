@@ -678,7 +678,7 @@ GT_API GT_GetCrdPrm(short cardNum, short crd, TCrdPrm *crdPrm);
 GT_API GT_CrdClear(short cardNum, short crd, short fifo GT_DEFAULT(0));
 /* Free slots of a FIFO of a coordinate system. */
 GT_API GT_CrdSpace(short cardNum, short crd, long *space, short fifo GT_DEFAULT(0));
-/* Starts coordinate systems (mask), with FIFO 0 or 1 (option). */
+/* Starts coordinate systems (bit k - 1 of mask is crd k); option bits take FIFO 1. */
 GT_API GT_CrdStart(short cardNum, short mask, short option GT_DEFAULT(0));
 /* Stops coordinate systems, smoothly or (option) abruptly. */
 GT_API GT_CrdStop(short cardNum, long mask, long option GT_DEFAULT(0));
@@ -702,7 +702,7 @@ GT_API GT_SetLaserFollowFilter(short cardNum, short crd, double time);
 GT_API GT_GetLaserFollowFilter(short cardNum, short crd, double *time);
 /* Switches look-ahead of a FIFO on: corner time in ms, greatest acceleration, segments. */
 GT_API GT_InitLookAhead(short cardNum, short crd, short fifo, double T, double accMax, short n, TCrdData *lookAheadBuf GT_DEFAULT(NULL));
-/* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2. */
+/* Sets the limits of one coordinate for look-ahead, pulse/ms and pulse/ms^2; 0 is none. */
 GT_API GT_SetCrdLimit(short cardNum, short crd, short coordinate, double velMax, double accMax);
 /* The limits of one coordinate for look-ahead. */
 GT_API GT_GetCrdLimit(short cardNum, short crd, short coordinate, double *velMax, double *accMax);

@@ -200,9 +200,20 @@ impl Reader<'_> {
             );
             return Err(Fault::new(place(), message, ""));
         }
-        of.convert(value).map_err(|message| {
+        let taken = of.convert(value).map_err(|message| {
             Fault::new(place(), format!("`{parameter}` of {}: {message} (return value 7)", name.text), "")
-        })
+        })?;
+        if let (Value::Real(real), Value::Int(whole)) = (value, &taken)
+            && real.fract() != 0.0
+            && self.shortened.insert((name.text.clone(), parameter.to_owned()))
+        {
+            self.warn(
+                place(),
+                format!("`{parameter}` of {} is {real}; it is a whole number, and {whole} is taken", name.text),
+                "round it in the script; later calls with a fraction there are not named",
+            );
+        }
+        Ok(taken)
     }
 
     /// Written as bits: its 32nd bit may be set, which is no sign in an unsigned parameter.

@@ -178,6 +178,7 @@ impl Reader<'_> {
         let moved = self.used.note(function, core, values);
         self.name_each(moved, line);
         self.count_between(function, core, bound, span);
+        self.look_at_option(function, bound, span);
         match function.name {
             "Reset" => {
                 self.reset.insert(core);
@@ -220,6 +221,24 @@ impl Reader<'_> {
             );
             self.warn(span.clone(), message, "a BufMove counts as four; move some of them to another part of the path");
         }
+    }
+
+    /// A bit of `option` says something of what the same bit of `mask` names, and else nothing.
+    fn look_at_option(&mut self, function: &Function, bound: &Bound, span: &Range<usize>) {
+        let bits = |wanted: &str| match bound.values.iter().find(|(name, _)| *name == wanted) {
+            Some((_, Value::Int(bits))) => Some(*bits as u32),
+            _ => None,
+        };
+        let Some((mask, option)) = bits("mask").zip(bits("option")) else { return };
+        if option & !mask == 0 {
+            return;
+        }
+        let help = match function.name {
+            "Stop" | "CrdStop" => "a bit of `option` stops abruptly what the same bit of `mask` names",
+            _ => "a bit of `option` takes FIFO 1 for what the same bit of `mask` names",
+        };
+        let message = format!("bits {:#x} of `option` do nothing: they are not in `mask`, {mask:#x}", option & !mask);
+        self.warn(span.clone(), message, help);
     }
 
     /// Takes note of the core and the axes that the call names: a profile must hold them.

@@ -184,7 +184,7 @@ impl Reader<'_> {
 }
 
 /// Up to three of `known` that look most like `name`.
-pub(crate) fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Vec<&'n str> {
+pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Vec<&'n str> {
     let mut close: Vec<(f64, &str)> = known
         .map(|other| (strsim::jaro_winkler(&name.to_lowercase(), &other.to_lowercase()), other))
         .filter(|(likeness, _)| *likeness > 0.85)

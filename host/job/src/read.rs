@@ -63,6 +63,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) reset: BTreeSet<i16>,
     /// Entries since the last motion of a path, by core, coordinate system and FIFO.
     pub(crate) between: BTreeMap<(i16, i16, i64), u32>,
+    /// Parameters whose fraction was left out, and said so: function and name.
+    pub(crate) shortened: BTreeSet<(String, String)>,
 }
 
 impl<'a> Reader<'a> {
@@ -92,6 +94,7 @@ impl<'a> Reader<'a> {
             parameters: BTreeMap::new(),
             reset: BTreeSet::new(),
             between: BTreeMap::new(),
+            shortened: BTreeSet::new(),
         }
     }
 

@@ -481,3 +481,39 @@ fn more_entries_between_two_motions_than_a_tick_takes_are_warned_of_once() {
     assert_eq!(texts(&moves.repeat(8)), []);
     assert_eq!(texts(&moves.repeat(9)).len(), 1);
 }
+
+/// A fraction that a whole number loses is said once for each parameter; what C converts is not.
+#[test]
+fn a_lost_fraction_is_said() {
+    let warnings =
+        |text: &str| good(text).warnings.iter().map(|found| (found.line, found.message.clone())).collect::<Vec<_>>();
+    let is = |parameter: &str, given: &str, taken: i32| {
+        format!("`{parameter}` of GT_LnXY is {given}; it is a whole number, and {taken} is taken")
+    };
+    let text = "GT_LnXY(1, 1000.7, 5, 10.5, 1);\nGT_LnXY(1, 8.5, -5.5, 10, 1);\nGT_LnXY(1, 9.5, 5, 10, 1);";
+    assert_eq!(warnings(text), [(1, is("x", "1000.7", 1000)), (2, is("y", "-5.5", -5))]);
+    assert_eq!(warnings("long x = 10 / 4.0;\nGT_LnXY(1, x, (long)2.5, 10, 1);\nGT_LnXY(1, 6.0, 1e3, 10, 1);"), []);
+    assert_eq!(request::<c::LnXY>("GT_LnXY(1, 1000.7, 5, 10, 1);").x.get(), 1000);
+}
+
+/// Bits of an option that say something of nothing.
+#[test]
+fn bits_of_an_option_without_their_mask_are_said() {
+    for (call, stray) in [
+        ("GT_CrdStart(1, 2);", "0x2"),
+        ("GT_CrdStart(2, 3);", "0x1"),
+        ("GT_Stop(0x100, 1);", "0x1"),
+        ("GTN_CrdStop(1, 1, 2);", "0x2"),
+        ("GTN_PtStart(1, 1, 6);", "0x6"),
+        ("GTN_FollowStart(1, 4, 1);", "0x1"),
+    ] {
+        let job = good(call);
+        let [warning] = &job.warnings[..] else { panic!("{call}: {:?}", job.warnings) };
+        assert!(warning.message.starts_with(&format!("bits {stray} of `option` do nothing")), "{}", warning.message);
+    }
+    for call in
+        ["GT_CrdStart(1, 1);", "GT_CrdStart(3, 2);", "GT_Stop(3, 2);", "GT_CrdStart(1);", "GTN_PtStart(1, 255, 255);"]
+    {
+        assert!(good(call).warnings.is_empty(), "{call}");
+    }
+}

@@ -80,7 +80,7 @@ pub fn read_csv(file: impl Read) -> Result<(Header, Vec<Row>)> {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(file);
     let failed = |error: csv::Error| {
         let line = error.position().map_or(0, csv::Position::line);
-        wrong(line, error.to_string())
+        if error.is_io_error() { TraceError::Unreadable(error.into()) } else { wrong(line, error.to_string()) }
     };
     let mut header = Header { every: 1, ..Header::default() };
     let names = reader.headers().map_err(failed)?.clone();

@@ -81,6 +81,9 @@ pub enum TraceError {
     /// The plot's times are no time that it could show.
     #[error("the plot's time: {0}")]
     Window(String),
+    /// A CSV could not be read.
+    #[error("the trace cannot be read: {0}")]
+    Unreadable(std::io::Error),
     /// A CSV that is no trace.
     #[error("line {line}: {what}")]
     Csv {

@@ -12,7 +12,7 @@ mod rows;
 
 use crate::Failure;
 use crate::command_line::BringUp;
-use crate::interrupt;
+use crate::{connect, interrupt};
 use client::Link;
 use lines::{Figures, Reader};
 use page::{Older, Report};
@@ -33,6 +33,7 @@ const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image (`c
 
 /// Runs it over the link that the command line names.
 pub fn run(arguments: &BringUp) -> Result<(), Failure> {
+    connect::check(&arguments.link)?;
     let link = client::link::open(&arguments.link)?;
     over(link, arguments)
 }

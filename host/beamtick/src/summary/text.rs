@@ -11,7 +11,7 @@ impl fmt::Display for Summary {
             "{}: done on {}, profile {}, servo tick {} us",
             self.job, self.board, self.profile, self.servo_tick_us
         )?;
-        writeln!(f, "  script clock {:.3} ms, {} entries", self.script_clock_ms, self.entries)?;
+        writeln!(f, "  script clock {:.3} ms, {}", self.script_clock_ms, counted(self.entries, "entry", "entries"))?;
         if let Some(seconds) = self.simulated_s {
             let times = self.script_clock_ms / 1e3 / seconds.max(1e-9);
             writeln!(f, "  simulated in {:.3} s: {times:.0} x real time", seconds.max(1e-9))?;
@@ -22,7 +22,8 @@ impl fmt::Display for Summary {
             0 => writeln!(f, "  no late entries")?,
             late => writeln!(
                 f,
-                "  {late} late entries, the worst by {} us{}: they acted at once (--strict stops instead)",
+                "  {}, the worst by {} us{}: acted at once (--strict stops instead)",
+                counted(late, "late entry", "late entries"),
                 self.late.worst_us,
                 at(&self.late.first, ", the first one is")
             )?,
@@ -30,14 +31,15 @@ impl fmt::Display for Summary {
         if self.overruns.count > 0 {
             writeln!(
                 f,
-                "  OVERRUN: {} servo ticks took longer than {} us{}",
-                self.overruns.count,
+                "  OVERRUN: {} took longer than {} us{}",
+                counted(self.overruns.count, "servo tick", "servo ticks"),
                 self.servo_tick_us,
                 at(&self.overruns.first_after, ", the first one after")
             )?;
         }
         if self.failures_passed_over > 0 {
-            writeln!(f, "  {} calls failed and were passed over (#pragma continue)", self.failures_passed_over)?;
+            let calls = counted(self.failures_passed_over, "call failed and was", "calls failed and were");
+            writeln!(f, "  {calls} passed over (#pragma continue)")?;
         }
         self.axes.iter().try_for_each(|axis| writeln!(f, "  {axis}"))?;
         self.coordinate_systems.iter().try_for_each(|crd| writeln!(f, "  {crd}"))?;
@@ -47,22 +49,21 @@ impl fmt::Display for Summary {
             writeln!(f, "  laser {}{name}: {laser}{end}", laser.channel)
         })?;
         for laser in self.lasers.iter().filter(|laser| laser.width_limited_times > 0) {
-            let times = laser.width_limited_times;
             writeln!(
                 f,
-                "  laser {}: WIDTH LIMITED {times} time{}: its rate followed to where the pulse width reaches the period; \
+                "  laser {}: WIDTH LIMITED {}: its rate followed to where the pulse width reaches the period; \
                  pulses there are just under the period",
                 laser.channel,
-                if times == 1 { "" } else { "s" }
+                counted(laser.width_limited_times, "time", "times")
             )?;
         }
         for stream in &self.pt_streams {
             let least = stream.least_ms_to_dry.map_or(String::new(), |least| format!("; least seen {least} ms"));
             writeln!(
                 f,
-                "  PT data of {}: at the last data {} slots free, {} ms to dry{least}",
+                "  PT data of {}: at the last data {} free, {} ms to dry{least}",
                 named("axis", stream.core, stream.axis),
-                stream.free_slots,
+                counted(stream.free_slots, "slot", "slots"),
                 stream.ms_to_dry
             )?;
         }
@@ -70,8 +71,8 @@ impl fmt::Display for Summary {
         match &self.trace {
             Some(trace) => {
                 let raised = if trace.raised { ", raised to what the link carries" } else { "" };
-                let ticks = if trace.every == 1 { "" } else { "s" };
-                writeln!(f, "  trace: {} rows, one every {} tick{ticks}{raised}", trace.rows, trace.every)?;
+                let (rows, ticks) = (counted(trace.rows, "row", "rows"), counted(trace.every, "tick", "ticks"));
+                writeln!(f, "  trace: {rows}, one every {ticks}{raised}")?;
             }
             None if !self.axes.is_empty() => {
                 writeln!(f, "  peak velocities are shown with --trace, --vcd, --plot, --html or --xy")?;
@@ -80,6 +81,12 @@ impl fmt::Display for Summary {
         }
         Ok(())
     }
+}
+
+/// A number of things, by the word for one and that for many.
+pub(crate) fn counted(count: impl Into<i64>, one: &str, many: &str) -> String {
+    let count = count.into();
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// What a person calls an axis, or a coordinate system.
@@ -102,7 +109,8 @@ impl fmt::Display for AxisFacts {
             write!(f, " (latched: {})", self.latched.join(", "))?;
         }
         self.pt.as_ref().map_or(Ok(()), |pt| {
-            write!(f, "\n    PT: {}, {} passes, {} slots free", pt.state, pt.passes, pt.free_slots)
+            let (passes, slots) = (counted(pt.passes, "pass", "passes"), counted(pt.free_slots, "slot", "slots"));
+            write!(f, "\n    PT: {}, {}, {} free", pt.state, passes, slots)
         })
     }
 }
@@ -112,7 +120,7 @@ impl fmt::Display for CrdFacts {
         let speed = self.peak_speed.map_or(String::new(), |speed| format!(", peak path speed {speed:.6} pulse/ms"));
         let name = named("crd", self.core, self.crd);
         let Some(end) = &self.end else { return write!(f, "{name}: drives no axis any more{speed}") };
-        write!(f, "{name}: {} segments", self.segments_done)?;
+        write!(f, "{name}: {}", counted(self.segments_done, "segment", "segments"))?;
         if self.segments_left != 0 {
             write!(f, ", {} left", self.segments_left)?;
         }

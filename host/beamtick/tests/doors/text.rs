@@ -86,8 +86,8 @@ pub fn scheduled_job(
     std::fs::write(&kept, &text).unwrap();
     // A job that is late makes its calls at other ticks than the other doors. But for a long table,
     // which is there when all of its messages are, and after which there is a pause.
-    let table = |line: &str| line.contains("  1 late entries") && line.contains("_Pvt");
-    let late = |line: &&str| line.contains(" late entries, the worst") && !table(line) || line.contains(" overruns");
+    let table = |line: &str| line.contains("  1 late entry,") && line.contains("_Pvt");
+    let late = |line: &&str| line.contains(", the worst by ") && !table(line) || line.contains(" overruns");
     let about = said.lines().find(late);
     // Light that a fault took is none of success, and the same through every door.
     let is_dark = output.status.code() == Some(1) && errors.contains("and light that the job asks for is missing");

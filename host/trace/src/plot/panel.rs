@@ -103,7 +103,11 @@ impl Panel<'_> {
             Content::Digital(activity) => Some(drawing(activity, frame.span, width)),
         };
         let is_shares = matches!(drawing, Some(Drawing::Shares(_)));
-        let caption = if is_shares { format!("{}, share of time", self.caption) } else { self.caption.clone() };
+        let caption = if is_shares {
+            format!("{}, share of time (pale: on and off in it)", self.caption)
+        } else {
+            self.caption.clone()
+        };
         area.draw(&Text::new(caption, place(LEFT, 7, scale), font(14, self.colour, scale))).map_err(as_plot)?;
 
         let (start, end) = frame.span;

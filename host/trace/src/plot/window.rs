@@ -34,8 +34,6 @@ impl Window {
     /// Nothing of a trace that ends at `last_ns` lies in it.
     pub fn is_empty(&self, last_ns: u64) -> TraceError {
         let (from, last) = (self.from as f64 * 1e-6, last_ns as f64 * 1e-6);
-        TraceError::Window(format!(
-            "from is {from} ms; the trace ends at {last} ms. The job has run; only the picture is missing"
-        ))
+        TraceError::Window(format!("from is {from} ms; the trace ends at {last} ms"))
     }
 }
