@@ -273,9 +273,9 @@ fn without_lost(pulses: &[(u64, u64)]) -> Pulses {
     kept
 }
 
-/// The first pulse of `got` that is not that of the model: at its place and as wide, or up to
-/// [`SHIFT`] away and a count wider or narrower, if the next one that is at its place again comes
-/// within the periods that are put in order, and all light up to there is the same.
+/// The first pulse of `got` that is not that of the model. It may be up to [`SHIFT`] from its place
+/// and a count wider or narrower. Within the periods that are put in order, one is at its place
+/// again, and all light up to there is the same.
 fn differs(model: &[(u64, u64)], got: &[(u64, u64)]) -> Option<usize> {
     let (mut light, mut away) = (0, None);
     for (n, (model, got)) in model.iter().zip(got).enumerate() {
