@@ -203,8 +203,8 @@ fn steps_are_the_planned_pulses_evenly_spaced() {
     }
 }
 
-/// Every count in every length of a tick, all in their own slots, on eight axes with different
-/// counts.
+/// Every count in every length of a tick, all in their own slots: on eight axes with different
+/// counts, and on one alone, whose steps are written one by one.
 #[test]
 fn every_count_lies_where_the_closed_form_has_it() {
     for us in (10..=250).chain([256]) {
@@ -214,15 +214,16 @@ fn every_count_lies_where_the_closed_form_has_it() {
         let mut planned = [0; AXES];
         for first in (0..=most).step_by(if us % 10 == 0 { 1 } else { 7 }) {
             // A different count on each axis.
-            let counts = std::array::from_fn::<u32, AXES, _>(|axis| (first + axis as u32 * 31) % (most + 1));
-            for (planned, count) in planned.iter_mut().zip(counts) {
-                *planned += i64::from(count);
-            }
-            let steps = bench.tick(&planned, slots);
-            for (count, steps) in counts.into_iter().zip(steps) {
-                let mut walker = StepSlots::new(count, slots).unwrap();
-                let expected: Vec<u32> = (0..slots).filter(|_| walker.advance()).collect();
-                assert_eq!(steps, expected, "{count} steps in {slots} slots");
+            let of_all = std::array::from_fn::<u32, AXES, _>(|axis| (first + axis as u32 * 31) % (most + 1));
+            let of_one = std::array::from_fn::<u32, AXES, _>(|axis| if axis as u32 == first % 8 { first } else { 0 });
+            for counts in [of_all, of_one] {
+                planned.iter_mut().zip(counts).for_each(|(planned, count)| *planned += i64::from(count));
+                let steps = bench.tick(&planned, slots);
+                for (count, steps) in counts.into_iter().zip(steps) {
+                    let mut walker = StepSlots::new(count, slots).unwrap();
+                    let expected: Vec<u32> = (0..slots).filter(|_| walker.advance()).collect();
+                    assert_eq!(steps, expected, "{count} steps in {slots} slots");
+                }
             }
         }
     }

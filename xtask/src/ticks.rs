@@ -44,7 +44,7 @@ type Table = BTreeMap<(u32, &'static str), Row>;
 /// or lines.
 const LANES: [&str; 5] = ["immediate", "program", "lnxy", "lines", "ahead"];
 
-const MARKS: [(&str, &str); 75] = [
+const MARKS: [(&str, &str); 77] = [
     ("idle", "nothing runs"),
     ("inside", "no segment change"),
     ("change", "every axis enters another segment"),
@@ -105,6 +105,8 @@ const MARKS: [(&str, &str); 75] = [
     ("steps-20", "likewise of 20 µs"),
     ("steps-50", "likewise of 50 µs"),
     ("steps-250", "likewise of 250 µs"),
+    ("steps-slow-50", "likewise of 50 µs, axes at 100 kHz"),
+    ("steps-slow-250", "likewise of 250 µs, axes at 100 kHz"),
     (
         "cycles-10",
         "reference board, in addition to its tick of 10 µs: PWM cycles of the laser timers, channels that pulse at 2 MHz",

@@ -3,9 +3,9 @@
 //!
 //! In: the pulses that the outputs reach at the end of a tick. Out: words in a ring: bit 8 + a
 //! raises the step output of axis a, bit 24 + a lowers it, bit a says backwards, bit 16 + a
-//! forwards. Owns the pulse counts of the outputs. Budget: 23 instructions a slot and some 70 an
-//! axis, however many steps there are (`cargo xtask ticks`). It cannot fail: steps that do not fit
-//! into a tick come in the next.
+//! forwards. Owns the pulse counts of the outputs. Budget: some 70 instructions an axis; 19 a step
+//! where there are few, and 23 a slot otherwise (`cargo xtask ticks`). It cannot fail: steps that do
+//! not fit into a tick come in the next.
 //!
 //! The step output is at the planned position rounded to the nearest pulse (halves upwards). So
 //! both directions are alike, and an axis at standstill on a knot is half a pulse away from the
@@ -15,7 +15,7 @@
 //! divide (the VCD writer) uses the closed form. A direction changes at the beginning of a tick;
 //! the steps after it are spread over the remainder of the tick after the set-up time.
 //!
-//! Eight phases are counted at once, two in a word, in 2⁻¹⁵ of a step and rounded up. A phase is a
+//! Few steps are written one by one. Of many, eight phases are counted at once, two in a word, in 2⁻¹⁵ of a step and rounded up. A phase is a
 //! multiple of 1/slots, and is set anew before the rounding errors add up to that ([`block`]): so
 //! every step comes in its own slot.
 use crate::units::Pos;
@@ -105,7 +105,7 @@ impl<const WIDTH: usize> StepOutput<WIDTH> {
     pub fn fill(&mut self, goes_to: &[i64; AXES], slots: u32, ring: &[AtomicU32; RING_SLOTS], at: usize) -> bool {
         let slots = slots.min(SLOTS_MAX);
         let (mut counts, mut from) = ([0u32; AXES], [0u32; AXES]);
-        let (mut steps, mut turned, mut waits) = (0u32, 0, 0);
+        let (mut steps, mut total, mut turned, mut waits) = (0u32, 0u32, 0, 0);
         let axes = goes_to.iter().zip(&mut self.stands).zip(&mut self.waits).zip(counts.iter_mut().zip(&mut from));
         for (bit, (((goes_to, stands), wait), (count, from))) in (0..AXES as u32).zip(axes) {
             let displacement = goes_to.wrapping_sub(*stands);
@@ -128,10 +128,12 @@ impl<const WIDTH: usize> StepOutput<WIDTH> {
             *count = displacement.unsigned_abs().min(Self::most(of));
             let done = if backwards { (*count as i32).wrapping_neg() } else { *count as i32 };
             *stands = stands.wrapping_add(done.into());
-            steps |= *count;
+            (steps, total) = (steps | *count, total.wrapping_add(*count));
         }
         if steps != 0 {
-            if waits == 0 && slots <= block(slots) {
+            if total.wrapping_mul(STEP_COST) < slots.wrapping_mul(SLOT_COST) {
+                write_edges::<WIDTH>(&counts, &from, slots, ring, at);
+            } else if waits == 0 && slots <= block(slots) {
                 spread::<WIDTH>(&counts, slots, ring, at);
             } else {
                 spread_late::<WIDTH>(&counts, &from, slots, ring, at);
@@ -144,6 +146,52 @@ impl<const WIDTH: usize> StepOutput<WIDTH> {
             first.store(first.load(Relaxed) | word, Relaxed);
         }
         steps | turned != 0
+    }
+}
+
+/// Cycles of a step that is written alone, of which two loads from memory that is not cached take
+/// half, and of a slot in which all axes are counted.
+const STEP_COST: u32 = 40;
+const SLOT_COST: u32 = 23;
+
+/// Writes the words of a tick in which few slots have a step: the closed form of the module text,
+/// from step to step. The steps of an axis lie after slot `from`.
+#[inline(never)]
+fn write_edges<const WIDTH: usize>(
+    counts: &[u32; AXES],
+    from: &[u32; AXES],
+    slots: u32,
+    ring: &[AtomicU32; RING_SLOTS],
+    at: usize,
+) {
+    for (bit, (&count, &from)) in (0..AXES as u32).zip(counts.iter().zip(from)) {
+        if count == 0 {
+            continue;
+        }
+        let of = slots.saturating_sub(from);
+        let by = reciprocal(count);
+        // Of numbers below 2¹⁶ it is exact.
+        let divided = |x: u32| {
+            let quotient = ((x as u64).wrapping_mul(by as u64) >> 31) as u32;
+            (quotient, x.wrapping_sub(quotient.wrapping_mul(count)))
+        };
+        let (pace, rest) = divided(of);
+        let (first, mut part) = divided(of.div_ceil(2).saturating_sub(1));
+        let begin = at.wrapping_add(from as usize);
+        let (mut slot, end) = (begin.wrapping_add(first as usize), begin.wrapping_add(of as usize));
+        // The step after the last one would lie after the tick. No count, so that the compiler does
+        // not write the loop four times: memory for the tick's code is scarce.
+        while slot < end {
+            for (slot, edge) in [(slot, 8), (slot.wrapping_add(WIDTH), 24)] {
+                if let Some(word) = ring.get(slot & (RING_SLOTS - 1)) {
+                    word.store(word.load(Relaxed) | 1 << (edge | bit), Relaxed);
+                }
+            }
+            part = part.wrapping_add(rest);
+            let more = part >= count;
+            part = if more { part.wrapping_sub(count) } else { part };
+            slot = slot.wrapping_add(pace as usize).wrapping_add(more as usize);
+        }
     }
 }
 
