@@ -4,8 +4,8 @@
 //! In: the pulses that the outputs reach at the end of a tick. Out: words in a ring: bit 8 + a
 //! raises the step output of axis a, bit 24 + a lowers it, bit a says backwards, bit 16 + a
 //! forwards. Owns the pulse counts of the outputs. Budget: some 70 instructions an axis; 19 a step
-//! where there are few, and 23 a slot otherwise (`cargo xtask ticks`). It cannot fail: steps that do
-//! not fit into a tick come in the next.
+//! where there are few, and 23 a slot otherwise (`cargo xtask ticks`). It cannot fail: steps that
+//! do not fit into a tick come in the next.
 //!
 //! The step output is at the planned position rounded to the nearest pulse (halves upwards). So
 //! both directions are alike, and an axis at standstill on a knot is half a pulse away from the
@@ -15,9 +15,9 @@
 //! divide (the VCD writer) uses the closed form. A direction changes at the beginning of a tick;
 //! the steps after it are spread over the remainder of the tick after the set-up time.
 //!
-//! Few steps are written one by one. Of many, eight phases are counted at once, two in a word, in 2⁻¹⁵ of a step and rounded up. A phase is a
-//! multiple of 1/slots, and is set anew before the rounding errors add up to that ([`block`]): so
-//! every step comes in its own slot.
+//! Few steps are written one by one. Of many, eight phases are counted at once, two in a word, in
+//! 2⁻¹⁵ of a step and rounded up. A phase is a multiple of 1/slots, and is set anew before the
+//! rounding errors add up to that ([`block`]): so every step comes in its own slot.
 use crate::units::Pos;
 pub use crate::units::whole;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};

@@ -9,6 +9,9 @@ const H743_BREAKS: &[&str] = &["-p", "beamtick-h743", "--test", "facts", "--", "
 const H743_VOLTAGES: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "voltages"];
 const H743_ENCODERS: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "edges_of_encoders"];
 const H743_PT: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "a_listing_of_pt"];
+const H743_ALARMS: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "alarms"];
+const PWM_CYCLES: &[&str] = &["-p", "beamtick-plant", "--test", "pwm_cycles"];
+const STEPS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "step_output::"];
 const H743_LASERS: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "listings_of_lasers"];
 
 /// Those of one crate together.
@@ -154,5 +157,34 @@ pub const REFERENCE_BOARD: &[Mutant] = &[
         "    supervision::tick_begins();",
         "    supervision::tick_begins();\n    core::hint::black_box([0u8; 8000]);",
         H743_PT,
+    ),
+    mutant(
+        "H743: inputs of axes are unpacked once",
+        "hal/src/stm32h743/machine.rs",
+        "if levels.differ(&self.levels) {",
+        "if self.reached == [i64::MIN; AXES] {",
+        H743_ALARMS,
+    ),
+    // -- what its timers and DMA are given -----------------------------------------------------
+    mutant(
+        "a group of periods is as long as without its long ones",
+        "servo/src/laser/dither.rs",
+        "n.wrapping_mul(period).wrapping_add(long)",
+        "n.wrapping_mul(period).wrapping_add(long & 1)",
+        PWM_CYCLES,
+    ),
+    mutant(
+        "a train after a pause that was resumed begins with the remainder of the pause",
+        "servo/src/output/pwm_cycles.rs",
+        "self.begins = if self.runs { at } else { next };",
+        "self.begins = if self.runs { self.begins } else { next };",
+        PWM_CYCLES,
+    ),
+    mutant(
+        "steps that are written one by one lose a slot now and then",
+        "servo/src/output/step_generator.rs",
+        "let more = part >= count;",
+        "let more = part > count;",
+        STEPS,
     ),
 ];
