@@ -334,6 +334,34 @@ fn the_energy_is_the_models_to_a_count() {
     assert!(worst <= 7 * u64::from(PWM_MIN_COUNTS) + 1, "{worst}");
 }
 
+/// The long remainder of a period that paused is nothing to a train that begins later.
+#[test]
+fn a_train_that_begins_after_a_pause_begins_at_once() {
+    let count = |whole| Count { whole, part: 0, of: 0 };
+    let train = |period, width| Train { period: count(period), width: count(width) };
+    let rate = PulseRate { period: count(2_000), width: 9, scale: 1 << 63, shift: 63 };
+    let pauses = [Action::Light(train(1_000_000, 9)), Action::Rate(PulseRate::PAUSE)];
+    for resumed in [Action::Rate(rate), Action::Change(train(2_000, 9))] {
+        let mut plan = LaserPlan::EMPTY;
+        let goes_on = [resumed, Action::Change(Train::NONE), Action::Change(train(120, 50))];
+        for (at, action) in (0..).zip(pauses.into_iter().chain(goes_on)) {
+            plan.add(at * 20_000, action);
+        }
+        let mut cycles = PwmCycles::from(BEGIN, SCALE);
+        let (from, mut queued, mut got) = (counts(50_000), BEGIN, Pulses::new());
+        cycles.take(from, from + counts(250_000), plan.actions().iter().copied(), &mut |length, light, times| {
+            for _ in 0..times {
+                note(&mut got, queued, queued + u64::from(light));
+                queued += u64::from(length);
+            }
+        });
+        let begins = from + counts(80_000);
+        let of_last = got.iter().filter(|pulse| pulse.1 - pulse.0 == 50);
+        let late = of_last.clone().next().map(|pulse| pulse.0 - begins);
+        assert!(late.is_some_and(|late| late <= 2_000) && of_last.count() > 300, "{resumed:?}: {late:?} of {got:?}");
+    }
+}
+
 /// Both switches' edges from cycles and from the models.
 fn switches(random: &mut Random, ticks: usize) -> ([Pulses; 2], [Pulses; 2], u64) {
     let (mut cycles, mut held) = (GateCycles::from(BEGIN, SCALE), held());
