@@ -339,7 +339,7 @@ fn the_energy_is_the_models_to_a_count() {
 fn a_train_that_begins_after_a_pause_begins_at_once() {
     let count = |whole| Count { whole, part: 0, of: 0 };
     let train = |period, width| Train { period: count(period), width: count(width) };
-    let rate = PulseRate { period: count(2_000), width: 9, scale: 1 << 63, shift: 63 };
+    let rate = PulseRate { period: count(2_000), width: 9, scale: 1 << 63, shift: 71 };
     let pauses = [Action::Light(train(1_000_000, 9)), Action::Rate(PulseRate::PAUSE)];
     for resumed in [Action::Rate(rate), Action::Change(train(2_000, 9))] {
         let mut plan = LaserPlan::EMPTY;
