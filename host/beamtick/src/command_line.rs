@@ -27,16 +27,16 @@ Examples, with the files of examples/:
   beamtick check pt_static.gts
   beamtick sim pt_static.gts --trace t.csv --plot t.png
   beamtick sim pt_dynamic.gts --tick-us 50 --plot z.svg --from 900 --to 1100
-  beamtick sim laser_duty.gts --plot pulses.png --from 10 --to 12
+  beamtick sim laser_duty.gts --plot pulses.png --from 1 --to 2
   beamtick sim pvt_percent.gts --xy path.png
   beamtick sim pvt_percent.gts --html t.html --panels acceleration,error
   beamtick sim pt_static.gts --step-limit 1000
-  beamtick sim inputs.gts --inputs inputs.csv --trace t.csv
+  beamtick sim inputs.gts --inputs inputs.csv --plot inputs.png
   beamtick plot t.csv -o t.png --from 900 --to 1100
   beamtick run pt_static.gts --link qemu --vcd t.vcd
   beamtick run jog_trap.gts --link tcp:192.168.1.20:5000 --strict
   beamtick run jog_trap.gts --link serial:/dev/ttyACM0:3000000
-  beamtick machine new machine.toml
+  beamtick machine new mine.toml
   beamtick sim square.nc --machine machine.toml --xy square.png
   beamtick check badge.svg --machine machine.toml --plot plan.png
   beamtick sim badge.svg --machine machine.toml --xy badge.png

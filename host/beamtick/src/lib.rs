@@ -115,7 +115,9 @@ pub fn main() -> ExitCode {
 /// An option that is given twice: what to do instead.
 fn with_tip(mut error: clap::Error) -> clap::Error {
     if error.kind() == ErrorKind::ArgumentConflict && error.to_string().contains("multiple times") {
-        let tip = "give it once; `beamtick plot` draws any number of pictures of a --trace";
+        let draws = ["--plot", "--html", "--xy"].iter().any(|option| error.to_string().contains(option));
+        let more = if draws { "; `beamtick plot` draws any number of pictures of a --trace" } else { "" };
+        let tip = format!("give it once{more}");
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     }
     error

@@ -171,7 +171,7 @@ fn place(name: &Path) -> PathBuf {
 /// another output. `outputs`: the option, the name, whether it is a picture.
 pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), Failure> {
     let mut taken: Vec<(PathBuf, String)> =
-        inputs.iter().map(|name| (place(name), format!("the job reads {}", name.display()))).collect();
+        inputs.iter().map(|name| (place(name), format!("the command reads {}", name.display()))).collect();
     for (option, name, drawn) in outputs {
         if *name == Path::new("-") {
             let why = "it names a file; the standard output is /dev/stdout. Nothing was done";
@@ -185,7 +185,7 @@ pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), 
         let names = [name.to_path_buf(), staged, partial(name), old(name)].map(|name| place(&name));
         if let Some((_, what)) = taken.iter().find(|(taken, _)| names.contains(taken)) {
             return Err(Failure::Input(format!(
-                "{option} {} would overwrite a file: {what}; name another one. The job was not run",
+                "{option} {} would overwrite a file: {what}; name another one. Nothing was run or written",
                 name.display()
             )));
         }

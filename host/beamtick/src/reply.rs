@@ -143,7 +143,9 @@ pub fn held(opcode: u16, mut body: &[u8]) -> Vec<String> {
         }
     }
     if bits >> 7 == 1 {
-        texts.push("the pulse width reaches the period; it is limited to just under it".into());
+        texts.push(
+            "the pulse width reaches the period at the highest rate; there it is limited to just under it".into(),
+        );
     }
     texts
 }

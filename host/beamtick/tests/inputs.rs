@@ -251,7 +251,7 @@ fn what_is_wrong_with_a_file_is_reported_before_anything_runs() {
     let (_, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--inputs", "none.csv"]);
     assert!(code == 2 && errors.starts_with("none.csv: the inputs cannot be read: "), "{errors}");
     let (_, errors, code) = beamtick(folder.path(), &["sim", "job.gts", "--inputs", "in.csv", "--trace", "in.csv"]);
-    assert!(code == 2 && errors.contains("would overwrite a file: the job reads in.csv"), "{errors}");
+    assert!(code == 2 && errors.contains("would overwrite a file: the command reads in.csv"), "{errors}");
 }
 
 #[test]

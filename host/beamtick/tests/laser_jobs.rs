@@ -82,7 +82,7 @@ fn what_is_held_is_shown_at_its_line() {
     for part in [
         "GT_LaserPowerMode: max is out of range; 24 is taken",
         "GT_SetPulseWidth: the value is out of range; 4000 is taken",
-        "GT_LaserPrfCmd: the pulse width reaches the period; it is limited to just under it",
+        "GT_LaserPrfCmd: the pulse width reaches the period at the highest rate; there it is limited to just under it",
         "job.gts:1:1",
         "job.gts:2:1",
         "job.gts:3:1",

@@ -60,6 +60,13 @@ impl Bound {
 
 const SHORT: Param = Param { name: "core", pass: Pass::In(Type::Short), default: None };
 
+/// Whether a fraction is lost that was meant: what a sum of decimals leaves is none, unless the
+/// whole number beside it is taken.
+fn is_lost(real: f64, whole: f64) -> bool {
+    let nearest = real.round();
+    real != whole && (nearest != whole || (real - nearest).abs() > 1e-6)
+}
+
 impl Reader<'_> {
     pub(crate) fn given(&mut self, function: &Function, several_cores: bool) -> Result<Vec<Given>, Fault> {
         self.expect("(", "after the function's name")?;
@@ -204,7 +211,7 @@ impl Reader<'_> {
             Fault::new(place(), format!("`{parameter}` of {}: {message} (return value 7)", name.text), "")
         })?;
         if let (Value::Real(real), Value::Int(whole)) = (value, &taken)
-            && real.fract() != 0.0
+            && is_lost(*real, *whole as f64)
             && self.shortened.insert((name.text.clone(), parameter.to_owned()))
         {
             self.warn(

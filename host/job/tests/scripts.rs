@@ -494,6 +494,9 @@ fn a_lost_fraction_is_said() {
     assert_eq!(warnings(text), [(1, is("x", "1000.7", 1000)), (2, is("y", "-5.5", -5))]);
     assert_eq!(warnings("long x = 10 / 4.0;\nGT_LnXY(1, x, (long)2.5, 10, 1);\nGT_LnXY(1, 6.0, 1e3, 10, 1);"), []);
     assert_eq!(request::<c::LnXY>("GT_LnXY(1, 1000.7, 5, 10, 1);").x.get(), 1000);
+    // What a sum of decimals leaves is no loss; the whole number below the one that was meant is.
+    assert_eq!(warnings("GT_LnXY(1, (0.1 + 0.2) * 10, -2.0000000001, 10, 1);"), []);
+    assert_eq!(warnings("GT_LnXY(1, 1000 * sin(M_PI / 6), 5, 10, 1);"), [(1, is("x", "499.99999999999994", 499))]);
 }
 
 /// Bits of an option that say something of nothing.

@@ -171,7 +171,9 @@ pub(super) fn held(prepared: &Prepared, mut reply: &[u8]) -> Option<String> {
         }
     }
     if bits >> 7 & 1 == 1 {
-        texts.push("the pulse width reaches the period; it is limited to just under it".to_owned());
+        texts.push(
+            "the pulse width reaches the period at the highest rate; there it is limited to just under it".to_owned(),
+        );
     }
     Some(format!("{}: {}", prepared.name(), texts.join("; ")))
 }

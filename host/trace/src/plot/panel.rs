@@ -229,7 +229,7 @@ fn drawing(activity: &Activity, span: (f64, f64), width: u32) -> Drawing {
     let apart = column * APART * 1e6;
     match activity.highs() {
         Some(highs) if highs.windows(2).all(|pair| (pair[1].0 - pair[0].0) as f64 >= apart) => edges(highs, span),
-        Some(highs) => Drawing::Shares(cells(highs, span, apart)),
+        Some(highs) => Drawing::Shares(cells(highs, span, apart, column)),
         None => Drawing::Shares(columns(activity, span, width)),
     }
 }
@@ -256,8 +256,8 @@ fn edges(highs: &[(u64, u64)], (start, end): (f64, f64)) -> Drawing {
 }
 
 /// The fraction of each pulse in the time to the next one, if that is close; a single pulse is a
-/// bar.
-fn cells(highs: &[(u64, u64)], (start, end): (f64, f64), apart: f64) -> Vec<Cell> {
+/// bar, a `column` wide at least: light is seen, however short it is.
+fn cells(highs: &[(u64, u64)], (start, end): (f64, f64), apart: f64, column: f64) -> Vec<Cell> {
     let mut cells: Vec<Cell> = Vec::new();
     let mut period = 0;
     for (index, &(from, to)) in highs.iter().enumerate() {
@@ -267,9 +267,10 @@ fn cells(highs: &[(u64, u64)], (start, end): (f64, f64), apart: f64) -> Vec<Cell
         let time = if near { next - from } else { period.min(next - from).max(to - from) };
         period = if near { time } else { 0 };
         let share = (to - from) as f64 / time as f64 * 100.0;
+        let begin = (from as f64 * 1e-6).max(start);
         let cell = Cell {
-            from: (from as f64 * 1e-6).max(start),
-            to: ((from + time) as f64 * 1e-6).min(end),
+            from: begin,
+            to: ((from + time) as f64 * 1e-6).max(if near { begin } else { begin + column }).min(end),
             share: (share * 10.0).round() / 10.0,
             both: share < 100.0,
         };
@@ -302,5 +303,24 @@ fn join(cells: &mut Vec<Cell>, cell: Cell) {
             last.to = cell.to;
         }
         _ => cells.push(cell),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pulses of a µs among those of a train, in a picture of a second: a column each, at least.
+    #[test]
+    fn a_pulse_that_is_alone_is_seen() {
+        let train = (0..400).map(|n| (n * 10_000, n * 10_000 + 1_000));
+        let alone = [100_000_000, 900_000_000].map(|at| (at, at + 1_000));
+        let highs: Vec<(u64, u64)> = train.chain(alone).collect();
+        let column = 1000.0 / 800.0;
+        let cells = cells(&highs, (0.0, 1000.0), column * APART * 1e6, column);
+        let [.., first, last] = &cells[..] else { panic!("{} cells", cells.len()) };
+        for (cell, at) in [(first, 100.0), (last, 900.0)] {
+            assert!((cell.from, cell.share) == (at, 100.0) && cell.to >= at + column, "{at} to {}", cell.to);
+        }
     }
 }

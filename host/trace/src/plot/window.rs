@@ -34,6 +34,9 @@ impl Window {
     /// Nothing of a trace that ends at `last_ns` lies in it.
     pub fn is_empty(&self, last_ns: u64) -> TraceError {
         let (from, last) = (self.from as f64 * 1e-6, last_ns as f64 * 1e-6);
+        if self.from == 0 {
+            return TraceError::Window("the trace has no row in it".to_owned());
+        }
         TraceError::Window(format!("from is {from} ms; the trace ends at {last} ms"))
     }
 }
