@@ -97,14 +97,19 @@ pub fn read_csv(file: impl Read) -> Result<(Header, Vec<Row>)> {
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(failed)? {
         let line = record.position().map_or(0, csv::Position::line);
-        if record.len() != columns.len() {
+        let row = if record.len() == columns.len() {
+            row(&record, &columns, &header, rows.len(), line)
+        } else {
+            Err(wrong(line, format!("{} values, and the trace has {} columns", record.len(), columns.len())))
+        };
+        // Too few values, or the last one is the beginning of a number.
+        let is_cut = record.len() < columns.len() || matches!(record.iter().last(), Some("" | "-"));
+        match row {
+            Ok(row) => rows.push(row),
             // The end of a file that was cut off.
-            if reader.is_done() || !reader.read_record(&mut csv::StringRecord::new()).map_err(failed)? {
-                break;
-            }
-            return Err(wrong(line, format!("{} values, and the trace has {} columns", record.len(), columns.len())));
+            Err(_) if is_cut && !reader.read_record(&mut record).map_err(failed)? => break,
+            Err(error) => return Err(error),
         }
-        rows.push(row(&record, &columns, &header, rows.len(), line)?);
     }
     infer_units(&header, &mut rows);
     header.period_ns = rows.get(1).map_or(0, |second: &Row| second.t_ns.saturating_sub(rows[0].t_ns));
@@ -191,6 +196,8 @@ mod tests {
             }
         }
         // Cut off in its last line.
-        assert_eq!(read_csv("t_ms,axis1_pos\n0,0\n1".as_bytes()).unwrap().1.len(), 1);
+        for end in ["1", "1,", "1,-"] {
+            assert_eq!(read_csv(format!("t_ms,axis1_pos\n0,0\n{end}").as_bytes()).unwrap().1.len(), 1, "{end}");
+        }
     }
 }
