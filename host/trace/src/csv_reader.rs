@@ -103,7 +103,7 @@ pub fn read_csv(file: impl Read) -> Result<(Header, Vec<Row>)> {
             Err(wrong(line, format!("{} values, and the trace has {} columns", record.len(), columns.len())))
         };
         // Too few values, or the last one is the beginning of a number.
-        let is_cut = record.len() < columns.len() || matches!(record.iter().last(), Some("" | "-"));
+        let is_cut = record.len() < columns.len() || matches!(record.iter().next_back(), Some("" | "-"));
         match row {
             Ok(row) => rows.push(row),
             // The end of a file that was cut off.
