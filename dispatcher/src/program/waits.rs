@@ -8,6 +8,7 @@ use crate::shadow::{ShadowChange, executed, renew};
 use heapless::Deque;
 use servo::status::RUNNING;
 use servo::tick_command::TickCommand;
+use servo::units::AxisMask;
 use servo::view::{AxisView, CrdView, View};
 
 /// WaitStops that are kept.
@@ -112,6 +113,7 @@ fn is_over<'c, const AXES: usize>(
     if view.script_zero.0.saturating_add(pause.instant) >= view.now.0.saturating_add(view.period.0) {
         return false;
     }
+    let mut begin = AxisMask(0);
     for (seq, change) in changes {
         match *change {
             ShadowChange::Standstill { axes, crds } if *seq == pause.seq => {
@@ -119,11 +121,12 @@ fn is_over<'c, const AXES: usize>(
                     axes.0.checked_shr(index as u32).unwrap_or(0) & 1 == 1 && axis.status & RUNNING != 0
                 };
                 let crd = |(index, crd): (usize, &CrdView)| crds.0 >> (index & 7) & 1 == 1 && crd.runs;
-                return !view.axes.iter().enumerate().any(axis) && !view.crds.iter().enumerate().any(crd);
+                let begins = begin.0 & axes.0 != 0;
+                return !begins && !view.axes.iter().enumerate().any(axis) && !view.crds.iter().enumerate().any(crd);
             }
-            ShadowChange::Started { .. } | ShadowChange::PvtStarted { .. } | ShadowChange::CrdStarted { .. } => {
-                return false;
-            }
+            // What another axis begins is none of its time.
+            ShadowChange::Started { axes, .. } | ShadowChange::PvtStarted { axes } => begin.0 |= axes.0,
+            ShadowChange::CrdStarted { .. } => return false,
             _ => {}
         }
     }

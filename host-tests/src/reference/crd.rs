@@ -214,7 +214,10 @@ impl Crd {
         (self.ending, self.began) = (None, at);
         self.counted = [0.0; 4];
         (self.waits, self.waited, self.hindered) = (None, waited, false);
+        let other = &mut self.fifos[1 - fifo];
+        other.lost |= self.why == Some(Why::Interlock) && other.begins().is_some();
         let of = &mut self.fifos[fifo];
+        of.lost = false;
         self.goes_on = of.left.is_some();
         (of.left, of.seen) = (None, of.entries.len());
     }
@@ -248,7 +251,8 @@ impl Crd {
         let (was, of) = (&published.fifos[self.fifo], &mut self.fifos[self.fifo]);
         of.reported = of.reported.max(of.next);
         // What stood at that tick's own instant had been reached.
-        let outputs = was.entries[was.next..].iter().take_while(|entry| entry.takes_no_time()).count();
+        let passed = |entry: &&Entry| entry.takes_no_time() || **entry == Entry::Delay(0.0);
+        let outputs = was.entries[was.next..].iter().take_while(passed).count();
         let next = was.next + outputs;
         let moves = |entry: &Entry| matches!(entry, Entry::Move(_) | Entry::Gear(..) | Entry::Laser(..));
         if of.next != was.next

@@ -337,3 +337,43 @@ fn a_slave_that_two_stops_meet() {
         agrees(250, &calls);
     }
 }
+
+/// A start of another axis before a second WaitStop of an instant hid that it takes no time: data
+/// after it was a tick late, and its stream had ended.
+#[test]
+fn data_after_two_waits_and_a_start_of_another_axis() {
+    let setup = Setup { profile: "gtn-016", family: Family::Gus, axes: vec![(1, 1), (1, 2), (2, 1), (2, 7)] };
+    let datum = Datum { master: 183.0, slave: -118.45857060472144, kind: 0, percent: 0 };
+    let data = |pos, time_ms, kind| Call::PtData { axis: 2, pos, time_ms, kind, fifo: 0 };
+    // The last tick of the stream is among these.
+    for step in 0..5 {
+        let last = 14 * MS + 395_867 + (step - 2) * 250_000;
+        let calls = [
+            plain(Kind::AxisOn, 0),
+            plain(Kind::AxisOn, 2),
+            ex(Call::PrfFollow { axis: 0, dir: -1 }),
+            ex(Call::SetFollowMaster { axis: 0, master: 2, kind: 2, item: 0 }),
+            segment(0, -421.58699932109295, 115.81161600107747, 0, 0),
+            ex(Call::FollowStart { mask: 1, option: 0 }),
+            Call::PrfPt { axis: 2, mode: 1 },
+            data(1.7397275901784104, 5, 0),
+            Call::PtStart { mask: 4, option: 0 },
+            Call::Sleep { ns: 3 * MS },
+            data(-31.426520313375583, 16, 0),
+            Call::Sleep { ns: 4 * MS },
+            data(85.03675836934804, 32, 2),
+            Call::Sleep { ns: 9 * MS + 703_752 + last },
+            Call::Stop { mask: 1, abrupt: 0 },
+            Call::WaitStop { mask: 1 },
+            Call::PrfFollow { axis: 0, dir: -1 },
+            Call::SetFollowMaster { axis: 0, master: 2, kind: 3, item: 2 },
+            Call::FollowData { axis: 0, datum, fifo: 0 },
+            Call::FollowStart { mask: 1, option: 0 },
+            Call::WaitStop { mask: 8 },
+            data(83.0, 33, 2),
+            Call::Sleep { ns: 3 * MS },
+        ];
+        let report = finding(&mut None, &setup, 250, &calls, &mut Tally::new());
+        assert!(report.is_none(), "{report:?}");
+    }
+}

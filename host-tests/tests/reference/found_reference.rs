@@ -2,7 +2,7 @@
 use super::found::{MS, agrees, ex, frame, is_open, line, path, plain, segment};
 use host_tests::path_model::Plane;
 use host_tests::reference::{
-    Call, Command, Cycle, Datum, Effect, Item, Kind, LightCall, LightOf, LightTable, Path, Speeds,
+    Call, Command, Cycle, Datum, Effect, Item, Kind, LightCall, LightOf, LightTable, Path, Points, Speeds,
 };
 
 /// A slave that has come back through its passes rests at its origin. A SwitchNow by segment began
@@ -324,4 +324,65 @@ fn an_arc_after_an_interlock_is_open() {
     calls.extend([path(Path::Wait { mask: 1 }), Call::Sleep { ns: 4 * MS }, super::found::arc([40, -28], 1)]);
     calls.extend([path(Path::Start { mask: 1, option: 1 }), Call::Sleep { ns: 9 * MS }]);
     is_open(250, &calls, "an arc that begins where an interlock has stopped a path");
+}
+
+/// The same of one that is added to what an interlock has left, while the other FIFO runs.
+#[test]
+fn an_arc_beside_the_other_fifo_after_an_interlock_is_open() {
+    let open = Call::Effect(Effect::Interlock { core: 1, open: true });
+    let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None), line(vec![93, -28])];
+    calls.extend([path(Path::Start { mask: 1, option: 0 }), Call::Sleep { ns: 4 * MS }, open]);
+    let speeds = Speeds { vel: 2.0, acc: 1.0, end: 0.0 };
+    let other = path(Path::Line { crd: 1, to: vec![40, 9], speeds, fifo: 1 });
+    calls.extend([path(Path::Wait { mask: 1 }), other, path(Path::Start { mask: 1, option: 1 })]);
+    calls.extend([super::found::arc([60, -40], 0), Call::Sleep { ns: 9 * MS }]);
+    is_open(250, &calls, "an arc that begins where an interlock has stopped a path");
+}
+
+/// Data of a program after an interlock was admitted for the stream that it ended.
+#[test]
+fn data_after_an_interlock_is_open() {
+    let calls = [
+        plain(Kind::AxisOn, 0),
+        Call::PrfPt { axis: 0, mode: 1 },
+        Call::PtData { axis: 0, pos: -131.0, time_ms: 38, kind: 2, fifo: 0 },
+        Call::PtStart { mask: 1, option: 0 },
+        Call::Effect(Effect::SetInterlock { motion: 2 }),
+        Call::Effect(Effect::Interlock { core: 1, open: true }),
+        Call::Sleep { ns: 13 * MS + 851_544 },
+        Call::PtData { axis: 0, pos: -153.6, time_ms: 70, kind: 0, fifo: 0 },
+        Call::Sleep { ns: 9 * MS },
+    ];
+    is_open(250, &calls, "data after a stream that a limit or an interlock ended");
+}
+
+/// An axis that brakes runs no PVT table: that can be replaced, also at the instant of its Stop.
+#[test]
+fn a_table_of_an_axis_that_brakes() {
+    let table = |to| Points::Pvt(vec![[0.0, 0.0, 9.0], [20.0, to, 9.0]]);
+    let fill = |to| Call::PvtTable { axis: 0, table: 7, points: table(to) };
+    for rest in [0, 2 * MS] {
+        let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::PrfPvt, 0), fill(180.0)];
+        calls.extend([Call::PvtTableSelect { axis: 0, table: 7 }, Call::PvtStart { mask: 1 }]);
+        calls.extend([Call::Sleep { ns: 5 * MS }, Call::Abort { core: 1 }, Call::Sleep { ns: rest }, fill(90.0)]);
+        calls.extend([Call::Sleep { ns: 30 * MS }, Call::PvtStart { mask: 1 }, Call::Sleep { ns: 25 * MS }]);
+        agrees(1000, &calls);
+    }
+}
+
+/// A BufDelay of 0 ms takes no time: what stands after it begins with the CrdStart, and an abrupt
+/// Stop a tick later leaves what is left of it.
+#[test]
+fn an_abrupt_stop_in_a_delay_after_one_of_no_time() {
+    let delay = |ms| path(Path::Delay { crd: 1, ms, fifo: 0 });
+    let go = path(Path::Start { mask: 1, option: 0 });
+    for first in [vec![], vec![delay(0)], vec![delay(0), delay(0)]] {
+        let mut calls =
+            vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1), frame(None), Call::Sleep { ns: 3 * MS + 200_000 }];
+        calls.extend(first);
+        calls.extend([delay(7), line(vec![9, 4]), go.clone(), Call::Sleep { ns: 500_000 }]);
+        calls.extend([path(Path::Stop { mask: 1, option: 1 }), path(Path::Wait { mask: 1 }), go.clone()]);
+        calls.push(Call::Sleep { ns: 20 * MS });
+        agrees(500, &calls);
+    }
 }

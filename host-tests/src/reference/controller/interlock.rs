@@ -1,5 +1,5 @@
 //! The interlock: what its opening does to light and motion (SPEC 9, docs/safety.md).
-use super::super::axis::{Mode, Why};
+use super::super::axis::{Mode, Motion, Why};
 use super::super::light::{Act, INTERLOCK};
 use super::Controller;
 use super::answer::EITHER;
@@ -66,6 +66,8 @@ impl Controller {
             let axis = &self.axes[place];
             if axis.runs() && !axis.driven && (abrupt || axis.mode == Mode::Jog) {
                 *self.used.entry("motions that an interlock ends").or_default() += 1;
+                // A program knows nothing of it: docs/motion.md.
+                self.axes[place].broken |= matches!(self.axes[place].motion, Some(Motion::Stream(..)));
                 self.stop_axis(place, abrupt, Why::Interlock);
             }
         }

@@ -299,7 +299,8 @@ impl Controller {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
-        if is_arc && of.why == Some(Why::Interlock) && of.fifos[fifo].begins().is_none() {
+        let ended = of.why == Some(Why::Interlock) && of.fifos[fifo].begins().is_none();
+        if is_arc && (ended || of.fifos[fifo].lost) {
             // A program is admitted ahead, by where the path would have ended: docs/crd.md.
             self.open = Some("an arc that begins where an interlock has stopped a path");
         }

@@ -51,7 +51,7 @@ impl Controller {
                 let axis = &self.axes[axis];
                 let fifo = axis.pt_fifo(fifo)?;
                 if axis.broken && axis.pt.dynamic {
-                    self.open = Some("data after a stream that a limit ended");
+                    self.open = Some("data after a stream that a limit or an interlock ended");
                     return Ok(Reply::Open);
                 }
                 let free = axis.pt_capacity().wrapping_sub(axis.pt.fifos[fifo].len());
@@ -81,7 +81,7 @@ impl Controller {
         }
         let axis = &self.axes[place];
         if axis.broken && axis.pt.dynamic {
-            self.open = Some("data after a stream that a limit ended");
+            self.open = Some("data after a stream that a limit or an interlock ended");
         }
         let in_mode = axis.mode == Mode::Pt;
         let dynamic = axis.pt.dynamic;

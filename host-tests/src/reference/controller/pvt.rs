@@ -4,20 +4,25 @@ use super::super::call::{Call, members};
 use super::super::number::Fix;
 use super::super::pt::Timed;
 use super::answer::{Answer, DONE, EITHER, check, either};
-use super::{Controller, Reply};
+use super::{Controller, Reply, Then};
 
 impl Controller {
     pub(super) fn pvt(&mut self, call: &Call, now: i64) -> Answer {
         match call {
             Call::PvtTable { axis, table, points } => {
                 let core = self.cores[*axis];
-                let uses = |(place, axis): (usize, &Axis)| {
+                let names = |(place, axis): (usize, &Axis)| {
                     self.cores[place] == core
                         && axis.mode == Mode::Pvt
-                        && axis.runs()
                         && (axis.pvt.1 == *table || axis.table == *table)
                 };
-                check(!self.axes.iter().map(AsRef::as_ref).enumerate().any(uses))?;
+                // An axis that brakes runs no table any more.
+                let runs = |axis: &Axis| matches!(axis.motion, Some(Motion::Pvt(_)));
+                let stops = |place: usize| matches!(self.then[place], Some(Then::Brake(..)));
+                let named: Vec<usize> = (0..self.axes.len()).filter(|at| names((*at, &self.axes[*at]))).collect();
+                check(!named.iter().any(|at| runs(&self.axes[*at]) && !stops(*at)))?;
+                // It waits for a Stop of its instant, and what follows it is late by a tick.
+                self.belated |= named.iter().any(|at| runs(&self.axes[*at]) || self.axes[*at].halted);
                 self.tables.insert((core, *table), points.table());
             }
             Call::PvtTableSelect { axis: place, table } => {

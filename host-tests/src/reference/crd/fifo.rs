@@ -83,6 +83,8 @@ pub struct Fifo {
     pub(super) seen: usize,
     /// Where it was left, if it was left within its data.
     pub left: Option<[f64; 4]>,
+    /// An interlock stopped it within its data, and its path ran with the other FIFO since.
+    pub lost: bool,
 }
 
 impl Fifo {
