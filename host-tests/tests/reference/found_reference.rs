@@ -436,3 +436,30 @@ fn a_wait_just_before_a_path_moves_the_axis_again() {
     ];
     is_open(1000, &calls, "a call to an axis in the tick in which a path moves it");
 }
+
+/// A path that waited for an axis is known to 5 ns, and so is where a Stop holds it: what is left
+/// there of a short way takes longer by more than that.
+#[test]
+fn an_output_after_a_short_way_that_a_stop_left() {
+    let line = |to: [i32; 2]| {
+        path(Path::Line { crd: 1, to: to.to_vec(), speeds: Speeds { vel: 5.15, acc: 3.0, end: 0.0 }, fifo: 0 })
+    };
+    let calls = [
+        plain(Kind::AxisOn, 0),
+        plain(Kind::AxisOn, 1),
+        plain(Kind::AxisOn, 2),
+        frame(None),
+        path(Path::StopDec { crd: 1, smooth: 2.34 }),
+        line([7, 19]),
+        path(Path::Move { crd: 1, axis: 2, to: 175, vel: 17.5, acc: 9.332, modal: 1, fifo: 0 }),
+        line([25, -3]),
+        path(Path::Output { crd: 1, index: 4, level: true, fifo: 0 }),
+        path(Path::Start { mask: 1, option: 0 }),
+        Call::Sleep { ns: 22_800_000 },
+        path(Path::Stop { mask: 1, option: 0 }),
+        path(Path::Wait { mask: 1 }),
+        path(Path::Start { mask: 1, option: 0 }),
+        Call::Sleep { ns: 20 * MS },
+    ];
+    is_open(100, &calls, "a path that was stopped after a wait for an axis, and goes on for a short way");
+}
