@@ -288,6 +288,16 @@ pub enum Kind {
 }
 
 impl Call {
+    /// Calls of its instant that fail are decided a tick late: docs/jobs.md.
+    pub fn is_stop_or_wait(&self) -> bool {
+        let of_path = |of: &PathCall| matches!(of.what, Path::Stop { .. } | Path::Wait { .. });
+        match self {
+            Call::Stop { .. } | Call::Abort { .. } | Call::WaitStop { .. } => true,
+            Call::Path(of) => of_path(of),
+            _ => false,
+        }
+    }
+
     /// Whether it is refused while an axis that it names moves.
     pub fn needs_rest(&self) -> bool {
         match self {

@@ -285,7 +285,7 @@ impl Controller {
         // Every run switches the limit switches off first.
         self.axes.iter_mut().for_each(|axis| axis.terminals.on = 1 << axis::terminal::ALARM);
         self.axes.iter_mut().for_each(|axis| axis.encoder_zero = axis.encoder[1]);
-        let (mut clock, mut waiting, mut next, mut left) = (0, None, 0, tail);
+        let (mut clock, mut waiting, mut waited, mut next, mut left) = (0, None, 0, 0, tail);
         let mut first = 0;
         let (mut now, mut ticks_set) = (0, 0);
         let mut between: Option<Between> = None;
@@ -411,13 +411,17 @@ impl Controller {
                     row[axis].open = true;
                 }
                 let named = |call: &Call| call.axes() >> axis & 1 == 1 || matches!(call, Call::Abort { .. });
-                if calls[earlier..next].iter().any(named) {
+                // Also a WaitStop that found it at standstill there.
+                if calls[earlier..next].iter().any(named) || waited >> axis & 1 == 1 {
                     self.open = Some("a call to an axis in the tick in which a path moves it");
                 }
             }
             let [asked, before_that] = self.contested;
             self.contested = [0, asked];
-            if members(asked | before_that).any(|axis| self.axes[axis].ended) {
+            // A Stop or a WaitStop of its instant makes a call that fails a tick late.
+            let late = calls[earlier..next].iter().any(Call::is_stop_or_wait);
+            let rests = |axis: &Axis| axis.ended || late && !axis.runs();
+            if members(asked | before_that).any(|axis| rests(&self.axes[axis])) {
                 self.open = Some("a call that needs standstill, just before its axis comes to rest");
             }
             self.open = self.open.or_else(|| members(asked).find_map(|axis| self.axes[axis].open));
@@ -435,12 +439,13 @@ impl Controller {
                 program.rows.push(self.rows());
                 program.outputs.push(self.levels.clone());
             }
+            waited = 0;
             if let Some(mask) = waiting {
                 if let Some(why) = members(mask).find_map(|axis| self.axes[axis].open) {
                     self.open = Some(why);
                 }
                 if !members(mask).any(|axis| self.axes[axis].runs()) {
-                    (clock, waiting) = (now, None);
+                    (clock, waiting, waited) = (now, None, mask);
                     members(mask).for_each(|axis| self.axes[axis].ended = false);
                 }
             }

@@ -50,6 +50,8 @@ pub struct Crd {
     pub waits: Option<(usize, f64)>,
     /// Waits since the start: the end of each is known to 5 ns.
     pub waited: u32,
+    /// How fast it was where a Stop found it.
+    pub held: f64,
     /// It goes on after an abrupt Stop: up to 2⁻¹⁷ pulse more than SPEC 11 allows, an open finding.
     pub resumed: bool,
     /// An override has changed on the way: doubles know instants to a ns from there.
@@ -121,6 +123,7 @@ impl Default for Crd {
             plan: None,
             waits: None,
             waited: 0,
+            held: 0.0,
             resumed: false,
             rated: false,
             blur: 0.0,
@@ -230,10 +233,22 @@ impl Crd {
             return;
         };
         let Entry::Motion(geometry, rates, ..) = &of.entries[of.next + index] else { return };
-        if apart == 0.0 || index == 0 && of.done > 0.0 {
+        let limits = limits(&set.frame, rates, self.rate);
+        if index == 0 && of.done > 0.0 {
+            // A Stop found it there 5 ns earlier or later for every wait, and as it sped up, at
+            // another speed, too.
+            let steady = self.held >= limits.speed * (1.0 - 1e-9);
+            let longer = if steady { 1.0 } else { 1.0 + limits.acc / self.stop_dec };
+            let apart = 5e-6 * f64::from(self.waited) * self.held * longer;
+            let top = limits.speed.min(((geometry.length() - of.done) * limits.acc).sqrt());
+            if apart > 5.001e-6 * top {
+                self.unsaid = Some("a path that was stopped after a wait for an axis, and goes on for a short way");
+            }
             return;
         }
-        let limits = limits(&set.frame, rates, self.rate);
+        if apart == 0.0 {
+            return;
+        }
         // Its greatest speed takes so much longer for it; the way from there to the end follows.
         let top = limits.speed.min((geometry.length() * limits.acc).sqrt());
         self.blur += 2.0 * apart / top.max(1e-9);
@@ -277,6 +292,7 @@ impl Crd {
             }
         }
         self.resumed = true;
+        self.held = self.speed.max(published.speed);
         self.place = published.place;
         self.knots.clear();
         self.is_straight = true;
@@ -288,6 +304,9 @@ impl Crd {
         if self.runs && self.speed <= 0.0 {
             self.come_to_standstill(Rest::Stopped);
         } else if self.runs {
+            if !self.brakes {
+                self.held = self.speed;
+            }
             self.brakes = true;
             self.plan = None;
         }

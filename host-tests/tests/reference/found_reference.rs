@@ -386,3 +386,141 @@ fn an_abrupt_stop_in_a_delay_after_one_of_no_time() {
         agrees(500, &calls);
     }
 }
+
+/// An Update as the axis brakes for its target: within rounding it ends on the tick before that
+/// of the alarm.
+#[test]
+fn an_alarm_within_rounding_of_the_end_of_a_motion() {
+    let calls = [
+        plain(Kind::AxisOn, 1),
+        Call::Sleep { ns: 20_146_980 },
+        Call::SetTrapPrm { axis: 1, acc: 4.4, dec: 0.65 },
+        Call::SetPos { axis: 1, pos: 94 },
+        Call::SetVel { axis: 1, vel: 3.5 },
+        Call::Update { mask: 2 },
+        Call::Sleep { ns: 30_370_552 },
+        Call::SetPos { axis: 1, pos: 6 },
+        Call::SetVel { axis: 1, vel: 4.670124497509378 },
+        Call::Update { mask: 2 },
+        Call::Sleep { ns: 22_831_421 },
+        Call::Update { mask: 2 },
+        Call::Sleep { ns: 250_000 },
+        Call::Terminal { axis: 1, kind: 2, level: true },
+        Call::Sleep { ns: 1_425_014 },
+        plain(Kind::GetStopReason, 1),
+    ];
+    agrees(1000, &calls);
+}
+
+/// The second of two Updates of an instant leaves no motion: the axis never runs, and the soft
+/// limit that it is beyond shows on the next tick.
+#[test]
+fn an_update_to_no_speed_beside_one_to_a_speed() {
+    let calls = [
+        plain(Kind::AxisOn, 2),
+        Call::SetPrfPos { axis: 2, pos: 170 },
+        plain(Kind::PrfJog, 2),
+        Call::SetJogPrm { axis: 2, acc: 1.15, dec: 1.025 },
+        Call::Sleep { ns: 5 * MS },
+        Call::SetVel { axis: 2, vel: 2.0 },
+        Call::Update { mask: 4 },
+        Call::SetSoftLimit { axis: 2, positive: 169, negative: -208 },
+        Call::SetVel { axis: 2, vel: 0.0 },
+        Call::Update { mask: 4 },
+        Call::Sleep { ns: 5 * MS },
+        plain(Kind::GetSts, 2),
+    ];
+    is_open(250, &calls, "the end of a motion");
+}
+/// A path comes to rest by a Stop as a call asks for standstill: refused, but for a Stop of its
+/// instant. With one it is decided a tick late, where the path may rest.
+#[test]
+fn a_mode_as_a_path_comes_to_rest() {
+    let to_zero = Speeds { vel: 4.7, acc: 0.6, end: 0.0 };
+    for (after, beside) in [1_000_000, 2_000_000, 2_500_000, 3_000_000].into_iter().zip([false, false, true, false]) {
+        let set = Path::Set { crd: 2, axes: vec![0, 1], vel: 6.06, acc: 1.62, even_ms: 0, origin: None };
+        let mut calls = vec![
+            plain(Kind::AxisOn, 0),
+            plain(Kind::AxisOn, 1),
+            path(set),
+            Call::Sleep { ns: 582_801 },
+            path(Path::Line { crd: 2, to: vec![30, -20], speeds: to_zero, fifo: 0 }),
+            path(Path::Start { mask: 2, option: 0 }),
+            Call::Sleep { ns: 4_646_749 },
+            Call::Stop { mask: 3, abrupt: 0 },
+            Call::Sleep { ns: after },
+        ];
+        let stop = Call::Stop { mask: 8, abrupt: 8 };
+        calls.extend(beside.then_some(stop));
+        calls.extend([plain(Kind::PrfTrap, 1), plain(Kind::GetPrfMode, 1), Call::Sleep { ns: 4 * MS }]);
+        match beside {
+            true => is_open(1000, &calls, "a call that needs standstill, just before its axis comes to rest"),
+            false => agrees(1000, &calls),
+        }
+    }
+}
+
+/// A path moves an axis again right after the tick at which a Stop has it rest: a WaitStop may
+/// find it at standstill there or not.
+#[test]
+fn a_wait_just_before_a_path_moves_the_axis_again() {
+    let set = Path::Set {
+        crd: 2,
+        axes: vec![2, 3],
+        vel: 5.976418973073862,
+        acc: 2.7279402591153734,
+        even_ms: 0,
+        origin: None,
+    };
+    let line = |to: [i32; 2], vel: f64, acc: f64| {
+        path(Path::Line { crd: 2, to: to.to_vec(), speeds: Speeds { vel, acc, end: 0.0 }, fifo: 0 })
+    };
+    let jump = |to: [i32; 2], vel: f64, acc: f64| path(Path::Jump { crd: 2, to, vel, acc, fifo: 0 });
+    let shift = |to: i32, vel: f64, acc: f64| path(Path::Move { crd: 2, axis: 0, to, vel, acc, modal: 0, fifo: 0 });
+    let calls = [
+        plain(Kind::AxisOn, 0),
+        plain(Kind::AxisOn, 2),
+        plain(Kind::AxisOn, 3),
+        path(set),
+        line([2, -3], 2.770936473981576, 2.135114068237485),
+        line([8, -3], 2.7178253436163704, 2.801988422889128),
+        shift(-121, 9.125, 0.7088327189121341),
+        jump([6, -5], 5.724728327125959, 1.093691945596811),
+        jump([8, -4], 3.8897562940808035, 2.7304170827988856),
+        shift(201, 10.125, 0.775),
+        path(Path::Start { mask: 2, option: 0 }),
+        Call::Sleep { ns: 8_219_207 },
+        Call::Stop { mask: 1, abrupt: 0 },
+        Call::WaitStop { mask: 1 },
+        Call::Sleep { ns: 4_590_850 },
+        plain(Kind::PrfPvt, 0),
+    ];
+    is_open(1000, &calls, "a call to an axis in the tick in which a path moves it");
+}
+
+/// A path that waited for an axis is known to 5 ns, and so is where a Stop holds it: what is left
+/// there of a short way takes longer by more than that.
+#[test]
+fn an_output_after_a_short_way_that_a_stop_left() {
+    let line = |to: [i32; 2]| {
+        path(Path::Line { crd: 1, to: to.to_vec(), speeds: Speeds { vel: 5.15, acc: 3.0, end: 0.0 }, fifo: 0 })
+    };
+    let calls = [
+        plain(Kind::AxisOn, 0),
+        plain(Kind::AxisOn, 1),
+        plain(Kind::AxisOn, 2),
+        frame(None),
+        path(Path::StopDec { crd: 1, smooth: 2.34 }),
+        line([7, 19]),
+        path(Path::Move { crd: 1, axis: 2, to: 175, vel: 17.5, acc: 9.332, modal: 1, fifo: 0 }),
+        line([25, -3]),
+        path(Path::Output { crd: 1, index: 4, level: true, fifo: 0 }),
+        path(Path::Start { mask: 1, option: 0 }),
+        Call::Sleep { ns: 22_800_000 },
+        path(Path::Stop { mask: 1, option: 0 }),
+        path(Path::Wait { mask: 1 }),
+        path(Path::Start { mask: 1, option: 0 }),
+        Call::Sleep { ns: 20 * MS },
+    ];
+    is_open(100, &calls, "a path that was stopped after a wait for an axis, and goes on for a short way");
+}

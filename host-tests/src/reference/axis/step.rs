@@ -20,7 +20,7 @@ impl Axis {
         }
         self.moved = moved;
         self.past = None;
-        self.open = None;
+        let was_open = self.open.take().is_some();
         (self.doubt, self.halted, self.began) = (false, false, false);
         (self.stopped, self.joined) = (false, false);
         self.resets = self.resets.saturating_sub(1);
@@ -30,6 +30,10 @@ impl Axis {
         let alarmed = self.is_alarmed();
         if alarmed && self.runs() {
             self.alarm();
+        }
+        if alarmed && was_open {
+            // Whether it came before the end of the motion is within rounding.
+            self.why = None;
         }
         let ended = match &mut self.motion {
             None => false,

@@ -237,7 +237,8 @@ impl Controller {
         self.reads.retain(|(_, call, _)| !starts(call));
         for place in members(mask) {
             let aim = self.axes[place].aim();
-            if self.axes[place].runs() {
+            // What begins at this instant has no velocity yet, and is replaced.
+            if self.axes[place].runs() && !self.axes[place].began {
                 self.then[place] = Some(Then::Update(aim));
             } else {
                 self.axes[place].update(now, aim);

@@ -133,6 +133,7 @@ impl Controller {
                 let what = match axis.why {
                     Some(Why::Positive | Why::Negative) => "motions ended by a limit switch",
                     Some(Why::Alarm) => "motions ended by an alarm",
+                    _ if axis.is_alarmed() => "motions ended by an alarm",
                     _ => "motions ended by a soft limit",
                 };
                 *self.used.entry(what).or_default() += 1;
