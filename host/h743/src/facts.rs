@@ -61,7 +61,7 @@ pub enum Wrong {
     SlowBreak,
     /// A stream begins anew with its first item when its timer goes on.
     StreamRewinds,
-    /// A transfer keeps a controller busy four times as long.
+    /// A transfer keeps a controller busy six times as long.
     BusyDma,
     /// Timers of APB 1 count half as fast.
     HalfTimers,
@@ -149,7 +149,7 @@ impl Machine {
             Wrong::OneFlag => bus.timers.iter_mut().for_each(|timer| timer.quirks.one_flag = true),
             Wrong::SlowBreak => bus.timers.iter_mut().for_each(|timer| timer.quirks.break_delay = 28),
             Wrong::StreamRewinds => bus.timers.iter_mut().for_each(|timer| timer.quirks.rewinds = true),
-            Wrong::BusyDma => bus.dma.busy *= 4,
+            Wrong::BusyDma => bus.dma.busy *= 6,
             Wrong::HalfTimers => bus.rcc.halves_timers = true,
             Wrong::NoCaches => self.chip.identity.lacks_caches = true,
             Wrong::SlowLink => bus.usart.slow_percent = 3,
