@@ -245,8 +245,8 @@ fn spread(edges: &[i64], step: f64) -> f64 {
     most - least
 }
 
-/// Half of the periods of a tick of 50 µs are a count longer, and come first: so far is one from the
-/// line of the mean.
+/// Half of the periods of a tick of 50 µs are a count longer, and come first: so far is one from
+/// the line of the mean.
 const LOAD_SPREAD: f64 = 25.0;
 /// Two falling edges in turn: a period of 120 or 121 counts, and a width that changes by one.
 const LOAD_GAPS: std::ops::RangeInclusive<i64> = 119..=122;
