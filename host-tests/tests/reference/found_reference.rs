@@ -499,7 +499,7 @@ fn a_wait_just_before_a_path_moves_the_axis_again() {
 }
 
 /// A path that waited for an axis is known to 5 ns, and so is where a Stop holds it: what is left
-/// there of a short way takes longer by more than that.
+/// there of a short distance takes longer by more than that.
 #[test]
 fn an_output_after_a_short_way_that_a_stop_left() {
     let line = |to: [i32; 2]| {
@@ -522,5 +522,5 @@ fn an_output_after_a_short_way_that_a_stop_left() {
         path(Path::Start { mask: 1, option: 0 }),
         Call::Sleep { ns: 20 * MS },
     ];
-    is_open(100, &calls, "a path that was stopped after a wait for an axis, and goes on for a short way");
+    is_open(100, &calls, "a path that was stopped after a wait for an axis, and goes on for a short distance");
 }

@@ -13,6 +13,7 @@ pub mod adc;
 pub mod board;
 pub mod bus;
 pub mod clocks;
+pub mod counted;
 pub mod dac;
 pub mod dac8563;
 pub mod device;

@@ -7,6 +7,7 @@
 //! timers do, an estimate for what instructions do.
 use crate::board::{Board, NUCLEO};
 use crate::bus::Bus;
+use crate::counted::Counted;
 use crate::device::Cause;
 use crate::dwt::Dwt;
 use crate::engine::{Engine, Exit, Guest, Register};
@@ -35,34 +36,6 @@ const DMA_STREAMS: std::ops::Range<u32> = 0x4002_0000..0x4002_0800;
 const LEFT: u32 = 0x3004_7f00;
 /// Registers of the MPU.
 const MPU: std::ops::Range<u32> = 0xe000_ed94..0xe000_edbc;
-
-/// The instructions of each run of a handler, from its vector to its return; those of handlers that
-/// come in between are among them.
-#[derive(Debug, Default)]
-pub struct Counted {
-    /// The exception.
-    pub exception: usize,
-    began: Option<u64>,
-    /// Of each run, in order.
-    pub runs: Vec<u64>,
-}
-
-impl Counted {
-    /// Of an exception, from its next run on.
-    pub fn of(exception: usize) -> Counted {
-        Counted { exception, ..Counted::default() }
-    }
-
-    /// An exception begins, or ends, after so many instructions.
-    pub(crate) fn note(&mut self, exception: usize, begins: bool, instructions: u64) {
-        if exception != self.exception {
-        } else if begins {
-            self.began = Some(instructions);
-        } else {
-            self.runs.extend(self.began.take().map(|began| instructions - began));
-        }
-    }
-}
 
 /// What surrounds the core, while it runs.
 pub struct Chip {
