@@ -1,6 +1,7 @@
 //! Programs of paths in which the controller and the reference once differed.
 use super::found::*;
 use super::judge::{Tally, finding};
+use super::machine::{Rig, Seen};
 use host_tests::path_model::Plane;
 use host_tests::reference::{Call, Command, Cycle, Datum, Effect, Kind, LightCall, LightOf, Path, PathCall, Speeds};
 
@@ -495,6 +496,57 @@ fn an_arc_after_a_path_that_stopped_in_front_of_a_wait() {
     calls.extend([go(0), plain(Kind::ZeroPos, 0), Call::Sleep { ns: 3 * MS }, path(Path::Wait { mask: 1 })]);
     calls.extend([Call::Sleep { ns: 4 * MS }, arc([2, 7], 1), go(1), Call::Sleep { ns: 30 * MS }]);
     for tick_us in [250, 1000] {
+        agrees(tick_us, &calls);
+    }
+}
+
+/// Moves of an axis that begin and end within one tick: the ramp of the first was entered before
+/// the tick in which it begins, and the axis jumped to the target of the second.
+#[test]
+fn moves_that_begin_and_end_within_a_tick() {
+    let send = |to: i32, vel: f64, modal| path(Path::Move { crd: 1, axis: 3, to, vel, acc: 5.4, modal, fifo: 0 });
+    let to = |to: [i32; 2], end: f64| {
+        path(Path::Line { crd: 1, to: to.to_vec(), speeds: Speeds { vel: 2.2, acc: 1.95, end }, fifo: 0 })
+    };
+    let set_up = || (0..4).map(|axis| plain(Kind::AxisOn, axis)).chain([frame(None), to([3, 2], 0.8)]);
+    let go = [path(Path::Start { mask: 1, option: 0 }), Call::Sleep { ns: 90 * MS }];
+    // The path waits for each, or for none and they are a short line apart.
+    let waited = |first: i32| [send(first, 39.5, 1), send(first + 1, 30.0, 1), send(-300, 7.75, 1)];
+    let passed = |first: i32| [send(first, 39.5, 0), to([4, 2], 0.8), send(-300, 7.75, 0)];
+    for first in [0, 1, 2, -1, -2] {
+        for moves in [waited(first), passed(first)] {
+            for tick_us in [250, 500, 1000] {
+                agrees(tick_us, &set_up().chain(moves.clone()).chain(go.clone()).collect::<Vec<_>>());
+                // A slave of the axis goes where it goes below 0, in every tick.
+                let datum = Datum { master: -1000.0, slave: -1500.0, kind: 1, percent: 0 };
+                let slave = [
+                    Call::PrfFollow { axis: 2, dir: 0 },
+                    Call::SetFollowMaster { axis: 2, master: 3, kind: 2, item: 0 },
+                    Call::FollowData { axis: 2, datum, fifo: 0 },
+                    Call::FollowStart { mask: 4, option: 0 },
+                ];
+                let calls: Vec<_> = set_up().chain(slave).chain(moves.clone()).chain(go.clone()).collect();
+                let run = Rig::new(gus(), tick_us).run(&calls).unwrap();
+                let reached = |row: &Vec<Seen>, axis: usize| (row[axis].0 - run.rows[0][axis].0) as f64;
+                assert!(run.rows.iter().any(|row| reached(row, 3) != 0.0));
+                for row in &run.rows {
+                    let due = 1.5 * reached(row, 3).min(0.0);
+                    assert!((reached(row, 2) - due).abs() < 4.0, "{tick_us} µs, {first}: {row:?}");
+                }
+            }
+        }
+    }
+}
+
+/// What a path sets off in the tick in which an interlock stops all motion stands with the rest.
+#[test]
+fn a_move_at_the_start_of_a_path_and_an_interlock() {
+    let send = path(Path::Move { crd: 1, axis: 3, to: -11, vel: 5.375, acc: 8.4, modal: 0, fifo: 0 });
+    let mut calls = vec![Call::Effect(Effect::SetInterlock { motion: 2 })];
+    calls.extend([0, 1, 3].map(|axis| plain(Kind::AxisOn, axis)));
+    calls.extend([frame(None), send, Call::Sleep { ns: 4 * MS }, path(Path::Start { mask: 1, option: 0 })]);
+    calls.extend([Call::Effect(Effect::Interlock { core: 1, open: true }), Call::Sleep { ns: 10 * MS }]);
+    for tick_us in [250, 500, 1000] {
         agrees(tick_us, &calls);
     }
 }

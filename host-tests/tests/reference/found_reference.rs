@@ -524,3 +524,21 @@ fn an_output_after_a_short_way_that_a_stop_left() {
     ];
     is_open(100, &calls, "a path that was stopped after a wait for an axis, and goes on for a short distance");
 }
+
+/// Data after a Stop of its instant does not prolong a pass that ends there.
+#[test]
+fn pt_data_after_a_stop_at_the_end_of_a_pass() {
+    for ms in [8, 9, 10] {
+        let calls = [
+            plain(Kind::AxisOn, 3),
+            Call::PrfPt { axis: 3, mode: 0 },
+            Call::PtData { axis: 3, pos: -22.0, time_ms: 9, kind: 0, fifo: 0 },
+            Call::SetPtLoop { axis: 3, loops: 0 },
+            Call::PtStart { mask: 8, option: 0 },
+            Call::Sleep { ns: ms * MS },
+            Call::Stop { mask: 8, abrupt: 0 },
+            Call::PtData { axis: 3, pos: -18.0, time_ms: 13, kind: 0, fifo: 0 },
+        ];
+        agrees(1000, &calls);
+    }
+}

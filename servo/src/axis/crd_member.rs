@@ -206,6 +206,7 @@ impl AxisState {
             self.step(next, source);
         }
         let (from, _) = self.moving(at, source);
+        self.profile.stand_before(next, self.published.pos);
         self.profile.begin_ramp(at, |run| run.begin_trap(at, from, to));
         let until = match self.profile.generator() {
             Generator::Ramp(run) => run.end(),

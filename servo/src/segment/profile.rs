@@ -195,6 +195,16 @@ impl Profile {
         }
     }
 
+    /// A piece that begins after `now` and is over already was never in force at a tick: until the
+    /// next piece begins, the axis stands at `pos`.
+    #[inline]
+    pub(crate) fn stand_before(&mut self, now: Ns, pos: Pos) {
+        let piece = self.piece_mut();
+        if piece.begin > now {
+            *piece = Piece::standstill(now, u64::MAX, pos);
+        }
+    }
+
     /// A ramp takes over at `now`.
     #[inline]
     pub fn begin_ramp(&mut self, now: Ns, begin: impl FnOnce(&mut RampRun)) {

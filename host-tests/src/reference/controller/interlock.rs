@@ -29,6 +29,11 @@ impl Interlock {
         self.open || self.sampled
     }
 
+    /// It opens in this tick, and all motion stops abruptly.
+    pub fn halts_all(&self) -> bool {
+        self.opens && self.motion == 2
+    }
+
     /// The answer to a clear or an on command while it is a cause.
     pub fn refusal(&self) -> i16 {
         if self.opens { EITHER } else { 1 }

@@ -70,7 +70,8 @@ impl World for Others<'_> {
         if axis.mode != Mode::Trap || axis.driven || axis.blocked() {
             return None;
         }
-        if to.waits && axis.runs() {
+        let is_there = axis.goes_until().is_some_and(|end| end.to_f64() < at + 1e-9);
+        if to.waits && axis.runs() && !is_there {
             // Where it brakes already, a rounding of its place is much of its time.
             *self.open = Some("a path that waits for a move begun at speed");
         }

@@ -96,9 +96,12 @@ impl Controller {
             return DONE;
         }
         either(held < axis.pt_capacity(), i64::from(time_ms) > last)?;
+        let stops = matches!(self.then[place], Some(Then::Brake(..)));
         let axis = &mut self.axes[place];
         axis.pt.fifos[fifo].push(Segment { pos, time_ms: time_ms.into(), kind });
-        axis.pt_grew(fifo);
+        if !stops {
+            axis.pt_grew(fifo);
+        }
         DONE
     }
 }

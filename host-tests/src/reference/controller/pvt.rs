@@ -30,7 +30,7 @@ impl Controller {
                 check(axis.mode == Mode::Pvt)?;
                 let Some(found) = self.tables.get(&(self.cores[*place], *table)) else { return Err(EITHER) };
                 if let Some(Motion::Pvt(timed)) = &mut axis.motion {
-                    if axis.pvt.1 != *table {
+                    if axis.table != *table && axis.pvt.1 != *table {
                         // Which tables are in use until the switch is more than one.
                         timed.pending = Some(found.curve.clone());
                         axis.next_begins = found.begins;

@@ -45,6 +45,14 @@ impl Controller {
                 },
             );
             self.open = self.open.or(open);
+            if self.interlock.halts_all() {
+                // What the path sets off in this tick stands with the rest.
+                for axis in &early {
+                    if !axes[*axis].driven {
+                        axes[*axis].halt(Why::Interlock);
+                    }
+                }
+            }
             let off = early.iter().filter(|axis| !axes[**axis].geared).count();
             *self.used.entry("axes that a path sets off").or_default() += off as u64;
             self.early.append(&mut early);
