@@ -504,15 +504,15 @@ fn an_arc_after_a_path_that_stopped_in_front_of_a_wait() {
 /// the tick in which it begins, and the axis jumped to the target of the second.
 #[test]
 fn moves_that_begin_and_end_within_a_tick() {
-    let send = |to: i32, vel: f64, modal| path(Path::Move { crd: 1, axis: 3, to, vel, acc: 5.4, modal, fifo: 0 });
+    let send = |to: i32, vel: f64, acc: f64, modal| path(Path::Move { crd: 1, axis: 3, to, vel, acc, modal, fifo: 0 });
     let to = |to: [i32; 2], end: f64| {
         path(Path::Line { crd: 1, to: to.to_vec(), speeds: Speeds { vel: 2.2, acc: 1.95, end }, fifo: 0 })
     };
     let set_up = || (0..4).map(|axis| plain(Kind::AxisOn, axis)).chain([frame(None), to([3, 2], 0.8)]);
     let go = [path(Path::Start { mask: 1, option: 0 }), Call::Sleep { ns: 90 * MS }];
     // The path waits for each, or for none and they are a short line apart.
-    let waited = |first: i32| [send(first, 39.5, 1), send(first + 1, 30.0, 1), send(-300, 7.75, 1)];
-    let passed = |first: i32| [send(first, 39.5, 0), to([4, 2], 0.8), send(-300, 7.75, 0)];
+    let waited = |first: i32| [send(first, 39.5, 200.0, 1), send(first + 1, 30.0, 90.0, 1), send(-300, 7.75, 5.4, 1)];
+    let passed = |first: i32| [send(first, 39.5, 200.0, 0), to([4, 2], 0.8), send(-300, 7.75, 5.4, 0)];
     for first in [0, 1, 2, -1, -2] {
         for moves in [waited(first), passed(first)] {
             for tick_us in [250, 500, 1000] {
