@@ -465,6 +465,36 @@ fn light_comes_back_after_a_lost_link() {
     assert!(!lost(&[light(true), line([170, 0], 10.0, 1.0, 10.0), light(false), light(true), far]));
 }
 
+/// A path that brakes for a lost link or an interlock lights nothing after an immediate off, also
+/// where the fault is cleared before it has come to standstill.
+#[test]
+fn an_off_holds_while_a_path_brakes_for_a_fault() {
+    for (interlock, off) in [(false, false), (false, true), (true, false), (true, true)] {
+        let mut bench = prepared(250);
+        bench.path(0, &[line([170, 0], 10.0, 1.0, 10.0), light(true), line([1000, 0], 10.0, 1.0, 0.0)]);
+        let zero = bench.start(1);
+        until(&mut bench, zero + 20 * MS);
+        for lost in [true, false] {
+            if interlock {
+                bench.machine.interlock = lost;
+            } else {
+                bench.command(TickCommand::Link { lost });
+            }
+            bench.tick();
+        }
+        if off {
+            bench.gate(false);
+        }
+        bench.change(ChannelChange::ClearFault);
+        until(&mut bench, zero + 24 * MS);
+        assert_eq!((bench.view().lasers[0].fault, bench.view().crds[0].runs), (Cause::None, true));
+        assert_eq!(bench.view().lasers[0].light, !off, "interlock {interlock}");
+        bench.until_ms(60);
+        assert!(!bench.view().crds[0].runs && !bench.view().lasers[0].light);
+        assert_eq!(bench.switch().is_empty(), off);
+    }
+}
+
 /// A start that goes on, and the loss of the link after it in the same tick: the light waits for
 /// the next start.
 #[test]

@@ -1,7 +1,7 @@
 //! Programs on which the reference was wrong about lasers, and the controller was right.
 use super::found::{MS, agrees, frame, gus, is_open, line, path, plain};
 use super::judge::{Tally, finding};
-use host_tests::reference::{Call, Command, Family, Kind, LightCall, LightOf, LightTable, Path, Setup, Speeds};
+use host_tests::reference::{Call, Command, Effect, Family, Kind, LightCall, LightOf, LightTable, Path, Setup, Speeds};
 
 fn light(what: LightOf) -> Call {
     Call::Light(LightCall { channel: 0, what })
@@ -74,4 +74,30 @@ fn a_limit_above_the_highest_frequency() {
     let lsr = Setup { family: Family::Lsr, ..gus() };
     assert_eq!(finding(&mut None, &lsr, 500, &calls, &mut tally), None);
     assert!(tally["values read"] > 0, "{tally:?}");
+}
+
+/// An immediate off while a path brakes for an interlock, which is cleared before standstill: the
+/// on entry that the path passes lights nothing. It did: the controller was wrong.
+#[test]
+fn an_off_while_a_path_brakes_for_an_interlock() {
+    let interlock = |open| Call::Effect(Effect::Interlock { core: 1, open });
+    let lines = [([100, 30], 40.0), ([300, 90], 40.0), ([900, 100], 0.0)];
+    let to = |(to, end): ([i32; 2], f64)| {
+        path(Path::Line { crd: 1, to: to.to_vec(), speeds: Speeds { vel: 40.0, acc: 12.0, end }, fifo: 0 })
+    };
+    for off in [false, true] {
+        let mut calls = begin();
+        calls.extend([light(LightOf::Carrier(20.0)), light(LightOf::Power(45.0)), Call::Sleep { ns: 5 * MS }]);
+        calls.push(path(Path::StopDec { crd: 1, smooth: 3.0 }));
+        calls.extend([to(lines[0]), to(lines[1]), entry(Command::Gate(true)), to(lines[2]), go()]);
+        calls.extend([Call::Sleep { ns: 4 * MS }, interlock(true), Call::Sleep { ns: MS }]);
+        if off {
+            calls.push(light(LightOf::Gate(false)));
+        }
+        calls.extend([Call::Sleep { ns: MS }, interlock(false)]);
+        calls.extend([Call::Sleep { ns: 4 * MS }, light(LightOf::ClearFault), Call::Sleep { ns: 30 * MS }]);
+        for tick_us in [250, 1000] {
+            agrees(tick_us, &calls);
+        }
+    }
 }

@@ -16,7 +16,7 @@
 //! | fact | what it does |
 //! | --- | --- |
 //! | on command of a call | lights, or waits; changes nothing while a path's light is on |
-//! | on entry of a path | lights, or waits; takes over the light of a call. It does nothing for a channel that is not mapped, after an abort until the path has come to standstill, and while the path brakes for a Stop after an immediate off |
+//! | on entry of a path | lights, or waits; takes over the light of a call. It does nothing for a channel that is not mapped, after an abort until the path has come to standstill, and while the path brakes (for a Stop, an interlock, a lost link) after an immediate off |
 //! | off command, off entry | `Off` |
 //! | a mapped path rests by a Stop | `Held`, whoever lit it; `Off` if its entries ran out while it braked |
 //! | a path's entries run out | `Off` for what they lit, and for what follows its speed |
@@ -145,7 +145,7 @@ pub(super) enum LightEvent {
     Clears { run: PathRun },
     /// A path has come to standstill.
     Standstill { run: PathRun, end: StandstillCause },
-    /// A Stop for these, of which each has been set up.
+    /// A Stop, an interlock or a lost link for these, of which each has been set up.
     Stops { crds: CrdMask },
     /// The power follows the speed of this one from now on.
     FollowBegins { crd: Crd },
@@ -217,7 +217,7 @@ state! {
         output: bool = true,
         /// Coordinate systems that the channel is mapped to.
         map: CrdMask = map,
-        /// Those that run, those of them that run FIFO 1, and those that brake for a Stop.
+        /// Those that run, those of them that run FIFO 1, and those that brake to go on later.
         running: CrdMask = CrdMask(0),
         fifo1: CrdMask = CrdMask(0),
         stopping: CrdMask = CrdMask(0),

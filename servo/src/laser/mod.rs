@@ -305,7 +305,8 @@ impl Lasers {
         }
     }
 
-    /// A Stop for these, of which each has been set up, at standstill or not.
+    /// These, of which each has been set up, brake for a Stop, an interlock or a lost link; or a
+    /// Stop finds them at standstill.
     pub(crate) fn crd_stops(&mut self, crds: CrdMask, at: Ns) {
         if crds.0 != 0 {
             self.handle(at, LightEvent::Stops { crds });

@@ -355,6 +355,7 @@ impl<const AXES: usize> Tick<AXES> {
                 return self.halt(all, reason, next, hand_overs);
             }
         };
+        self.lasers.crd_stops(self.crds.running, next);
         self.stop_crds(self.crds.running, Halt::Smooth, reason, next, hand_overs);
         self.brake_axes(axes, reason, next, hand_overs);
     }
