@@ -31,6 +31,7 @@ pub fn agrees(tick_us: u32, calls: &[Call]) {
     }
     let open: Vec<&String> = tally.keys().filter(|what| what.starts_with("cut short")).collect();
     assert!(open.is_empty(), "{open:?}");
+    assert_eq!(tally.get("programs"), Some(&1), "not compared: {:?}", tally.keys());
 }
 
 /// The program differs in nothing up to what the contract leaves open, which is this.

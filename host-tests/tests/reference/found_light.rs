@@ -87,6 +87,7 @@ fn an_off_while_a_path_brakes_for_an_interlock() {
     };
     for off in [false, true] {
         let mut calls = begin();
+        calls.push(path(Path::Set { crd: 1, axes: vec![0, 1], vel: 100.0, acc: 20.0, even_ms: 0, origin: None }));
         calls.extend([light(LightOf::Carrier(20.0)), light(LightOf::Power(45.0)), Call::Sleep { ns: 5 * MS }]);
         calls.push(path(Path::StopDec { crd: 1, smooth: 3.0 }));
         calls.extend([to(lines[0]), to(lines[1]), entry(Command::Gate(true)), to(lines[2]), go()]);
