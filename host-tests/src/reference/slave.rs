@@ -367,7 +367,7 @@ impl Slave {
 
     /// When the master was here on a leg, ms.
     fn when(&mut self, at: Fix, leg: &Leg, lead: &Lead) -> Fix {
-        if leg.begin == leg.end || at == leg.to {
+        if leg.end != Fix::FAR && (leg.begin == leg.end || at == leg.to) {
             return leg.end;
         }
         self.timed = true;

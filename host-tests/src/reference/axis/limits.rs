@@ -144,6 +144,12 @@ impl Axis {
         above | below
     }
 
+    /// Whether a position lies beyond a soft limit.
+    pub fn is_beyond(&self, x: Fix) -> bool {
+        let (top, bottom) = self.limits();
+        top.is_some_and(|top| x > top) || bottom.is_some_and(|bottom| x < bottom)
+    }
+
     /// ClrSts.
     pub fn clear(&mut self) {
         (self.latched, self.blocks) = (self.causes, self.causes & ALARM);

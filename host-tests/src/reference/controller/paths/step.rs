@@ -97,6 +97,16 @@ impl Controller {
                         if *then == PathThen::Brake {
                             of.brake();
                         } else if let Some(published) = &published {
+                            let comes_beyond = |(coordinate, axis): (usize, &Option<usize>)| {
+                                let (Some(axis), Some(set)) = (axis, &of.set) else { return false };
+                                let zero = axes[*axis].zero + set.zero[coordinate];
+                                axes[*axis].is_beyond(zero + Fix::of_f64(of.place[coordinate]))
+                            };
+                            let axes_of = of.set.as_ref().map_or([None; 4], |set| set.axes);
+                            if axes_of.iter().enumerate().any(comes_beyond) {
+                                // A path is ahead of the tick: it has met the limit, which counts.
+                                self.open = Some("an abrupt Stop in the tick in which a path meets a soft limit");
+                            }
                             of.halt(published);
                             for axis in axes.iter_mut().filter(|axis| axis.geared && axis.crd == Some(*name)) {
                                 axis.carried = Some(vec![(Fix::ms(before), axis.x)]);
