@@ -457,6 +457,7 @@ impl Axis {
         };
         self.slack += std::mem::take(&mut self.late);
         self.slack += std::mem::take(&mut self.late_velocity) * curve.length();
+        self.slack += self.brake_rounding(now_ns) * curve.length();
         // A way of 2⁻¹⁸ ms at most is one that rounding makes.
         self.doubt |= curve.length() < Fix(1 << 46) && curve.cruise == Fix::ZERO;
         self.began |= !self.runs();
@@ -468,6 +469,17 @@ impl Axis {
         self.replans += i128::from(self.runs());
         let ramp = Motion::Ramp(Timed::new(curve, Fix::ms(now_ns), self.x).rounded(blur));
         self.past = self.motion.replace(ramp);
+    }
+
+    /// How well its velocity is known where a Trap brakes for its target: when it began to follows
+    /// from a position of 2⁻²².
+    fn brake_rounding(&self, now_ns: i64) -> Fix {
+        let v = self.v.to_f64();
+        let acc = self.acceleration(Fix::ms(now_ns)).map_or(0.0, Fix::to_f64);
+        if self.mode != Mode::Trap || acc * v >= 0.0 || !matches!(self.motion, Some(Motion::Ramp(_))) {
+            return Fix::ZERO;
+        }
+        Fix::of_f64(2f64.powi(-21) * acc.abs() / v.abs())
     }
 
     pub fn smooth_stop(&mut self, now_ns: i64, dec: f64) {

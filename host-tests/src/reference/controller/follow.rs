@@ -18,6 +18,12 @@ impl Controller {
         }
         for place in members(mask) {
             self.axes[place].start_follow(fifo(place));
+            // Its master may be known better later than where it begins.
+            let of_master = self.rounding_of_master(&self.axes[place]);
+            if let Some(Motion::Slave(slave)) = &self.axes[place].motion {
+                let rounding = slave.table.curve.steepest * of_master;
+                self.axes[place].slack += rounding;
+            }
         }
         DONE
     }

@@ -203,6 +203,9 @@ impl Controller {
         }
         // What begins at this instant does not move.
         if abrupt || axis.began {
+            let rounding = self.rounding(&self.axes[place]);
+            let axis = &mut self.axes[place];
+            axis.slack += rounding;
             axis.halt(if abrupt && why == Why::Smooth { Why::Abrupt } else { why });
             self.then[place] = None;
             return;

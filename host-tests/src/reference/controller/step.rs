@@ -74,6 +74,10 @@ impl Controller {
                 let of = if master.is_sampled() { Fix::ZERO } else { self.axes[master.axis].velocity_rounding };
                 let place = self.rounding_of_master(&axis);
                 axis.velocity_rounding = slave.velocity_rounding(lead, place, of);
+                if master.is_counted() {
+                    // Slaves of it take its speed from its positions at two ticks.
+                    axis.velocity_rounding += Fix(1 << 43).over(Fix::ms(self.tick_ns));
+                }
             }
             if let Some(lead) = &lead
                 && was_slave
@@ -115,6 +119,7 @@ impl Controller {
                             axis.open = Some("a Stop within rounding of standstill");
                         }
                         axis.ending = why;
+                        axis.slack += self.rounding(&axis);
                         axis.smooth_stop(now, dec);
                     }
                 }

@@ -5,7 +5,8 @@ use crate::reference::{Call, Datum, Kind};
 impl Making<'_> {
     pub(super) fn follow_data(&mut self, axis: usize, fifo: usize, sign: f64) {
         let (master, slave) = self.follow[axis][fifo];
-        let length = 1.0 + self.below(400) as f64;
+        // Whole pulses, also after entries of FollowEx, which may end between two.
+        let length = (master + 1.0 + self.below(400) as f64).floor() - master;
         let ratio = self.pick(&[0.25, 0.5, 1.0, 1.5]) * if self.one_in(4) { -1.0 } else { 1.0 };
         let slave = slave + length * ratio * if self.one_in(2) { 1.0 } else { self.chance.unit() };
         let kind = self.pick(&[0, 0, 0, 1, 2, 3]);
