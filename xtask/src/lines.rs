@@ -1,7 +1,7 @@
 //! Lines of production code of `servo` and `dispatcher`.
 //!
-//! In: their sources. Out: how many lines are no blank line, no comment, and no test. Fails: never;
-//! [the page](../../docs/development.md) names the figure.
+//! In: their sources. Out: how many lines are no blank line, no comment, and no test. Fails:
+//! [`check`], where [the page](../../docs/development.md) names another figure.
 use crate::shell::{Outcome, root};
 use std::fs;
 use std::path::Path;
@@ -14,14 +14,33 @@ const FILES: [&str; 2] = ["tests", "test_hooks"];
 
 /// Prints the counts.
 pub fn report() -> Outcome {
-    let mut sum = 0;
-    for package in ["servo", "dispatcher"] {
-        let count = of_folder(&root().join(package).join("src"))?;
-        println!("{package}: {count} lines of production code");
-        sum += count;
-    }
-    println!("together: {sum}");
+    let counts = counts()?;
+    counts.iter().for_each(|(package, count)| println!("{package}: {count} lines of production code"));
+    println!("together: {}", sum(&counts));
     Ok(())
+}
+
+/// The page names the count of today.
+pub fn check() -> Outcome {
+    let page = root().join("docs/development.md");
+    let text = fs::read_to_string(&page).map_err(|e| format!("{}: {e}", page.display()))?;
+    let today = sum(&counts()?);
+    let figure = format!("| {},{:03} |", today / 1000, today % 1000);
+    match text.lines().any(|line| line.contains("`cargo xtask lines`") && line.contains(&figure)) {
+        true => Ok(()),
+        false => Err(format!("docs/development.md: no row of `cargo xtask lines` says {figure}, the count of today")),
+    }
+}
+
+fn sum(counts: &[(&str, usize)]) -> usize {
+    counts.iter().map(|(_, count)| count).sum()
+}
+
+fn counts() -> Outcome<Vec<(&'static str, usize)>> {
+    ["servo", "dispatcher"]
+        .map(|package| Ok((package, of_folder(&root().join(package).join("src"))?)))
+        .into_iter()
+        .collect()
 }
 
 fn of_folder(folder: &Path) -> Outcome<usize> {

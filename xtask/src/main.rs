@@ -103,7 +103,7 @@ fn main() -> ExitCode {
         ["mutants", name] => mutants::run(name),
         ["doors"] => doors::write(),
         ["doors", "--page"] => doors::page(),
-        ["pages"] => pages::check().and_then(|()| comments::check()),
+        ["pages"] => pages::check().and_then(|()| comments::check()).and_then(|()| lines::check()),
         ["proofs"] => proofs::run(),
         ["lines"] => lines::report(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([

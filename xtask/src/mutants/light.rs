@@ -10,6 +10,8 @@ const EXECUTE: &str = "servo/src/tick/execute.rs";
 const TICK: &str = "servo/src/tick.rs";
 
 const STATES: &[&str] = &["-p", "beamtick-servo", "--lib", "--", "owner"];
+const BRAKES: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "an_off_holds"];
+const MOVES: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "moves_that_begin_and_end"];
 const ABORT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "laser_abort::"];
 const OWNERS: &[&str] = &["-p", "beamtick-dispatcher", "--test", "all", "--", "laser_owner::"];
 
@@ -259,5 +261,19 @@ pub const LIGHT: &[Mutant] = &[
         text: "        view.aborts || is_in_flight(view, self.aborted)",
         broken: "        is_in_flight(view, self.aborted)",
         test: OWNERS,
+    },
+    Mutant {
+        name: "light: a path that brakes for an interlock lights after an immediate off",
+        file: "servo/src/tick/execute.rs",
+        text: "        self.lasers.crd_stops(self.crds.running, next);\n",
+        broken: "",
+        test: BRAKES,
+    },
+    Mutant {
+        name: "move: the first of two moves within a tick is entered before the tick",
+        file: "servo/src/axis/crd_member.rs",
+        text: "        self.profile.stand_before(next, self.published.pos);\n",
+        broken: "",
+        test: MOVES,
     },
 ];
