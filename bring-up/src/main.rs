@@ -4,11 +4,11 @@
 //!
 //! In: the line `go` from the host, the jumpers of docs/bring-up.md. Out: lines of figures
 //! ([`report`]). Owns the board. It judges nothing: limits and advice are the host's
-//! (`host/beamtick/src/bring_up/`). At the first order it resets the chip twice ([`before`]), and
-//! measures at the next one, which the host sends within 0.5 s. It resets the chip after each run,
-//! so each begins like a power-on. Fails: a chip that the board's start-up refuses lights LD3 and
-//! reports nothing. On another package it drives the link's line alone, and reports what registers
-//! tell.
+//! (`host/beamtick/src/bring_up/`). At the first order it resets the chip twice ([`before`]), at
+//! the second it locks the core up ([`lock_up`]), and it measures at the third. The host sends one
+//! each 0.5 s. It resets the chip after each run, so each begins like a power-on. Fails: a chip that
+//! the board's start-up refuses lights LD3 and reports nothing. On another package it drives the
+//! link's line alone, and reports what registers tell.
 //!
 //! It has no servo tick, no client and no light of its own will. Outputs move while it measures:
 //! no drive and no laser may be connected.
@@ -20,9 +20,12 @@ mod chip;
 mod core_facts;
 mod hsi48;
 mod light;
+mod lock_up;
 mod pause;
 mod report;
+mod spi3;
 mod stack;
+mod turns;
 mod wires;
 
 use bench::Bench;
@@ -79,8 +82,10 @@ fn main() -> ! {
     let (tx, mut rx) = board.link;
     core_facts::count_cycles();
     await_order(&mut rx);
-    if before.is_none() {
-        before::leave();
+    match &before {
+        None => before::leave(),
+        Some(before) if before.goes_on() => lock_up::until_reset(board.machine, board.timer),
+        Some(_) => {}
     }
     let mut report = Report::to(tx);
     report.line("format", &[FORMAT]);
@@ -93,6 +98,7 @@ fn main() -> ! {
     chip::report_to(&mut report);
     core_facts::report_to(&mut report);
     report.line("step-width", &[settings::STEP_WIDTH_NS.into()]);
+    spi3::report_to(&mut report);
     if !package::is_other() {
         measure(&mut report, board.machine, board.timer);
     }
@@ -112,6 +118,7 @@ fn measure(report: &mut Report, machine: Machine, timer: TickTimer) {
         }
     }
     chip::five_volts(report);
+    turns::report_to(report);
     analog::enable_at_once(report);
     let mut bench = Bench::begin(machine, timer);
     light::start(&mut bench, report);

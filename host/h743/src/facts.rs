@@ -81,6 +81,18 @@ pub enum Wrong {
     NoIdleLevels(u8),
     /// TRBUFF of DMA's streams reads as 0.
     NoBuffer,
+    /// LSI is 15 % slow.
+    SlowLsi,
+    /// A core that is locked up does not break the timers.
+    NoLockUpBreak,
+    /// A and B of this timer's encoder are swapped.
+    SwappedEncoder(u8),
+    /// This timer counts the edges of A alone.
+    HalfEncoder(u8),
+    /// The index of this timer passes no filter, as A and B do.
+    EarlyIndex(u8),
+    /// The kernel of SPI 1 to 3 has half its clock.
+    SlowSpi,
     /// What DMA writes for TIM17's compare requests is lost: slots that were played stay.
     LostClears,
 }
@@ -116,6 +128,12 @@ pub struct Quirks {
     pub rewinds: bool,
     /// [`Wrong::NoIdleLevels`].
     pub no_ossi: bool,
+    /// [`Wrong::SwappedEncoder`].
+    pub swapped: bool,
+    /// [`Wrong::HalfEncoder`].
+    pub halves: bool,
+    /// [`Wrong::EarlyIndex`].
+    pub early_index: bool,
 }
 
 impl Machine {
@@ -157,6 +175,12 @@ impl Machine {
             Wrong::NoIdleLevels(number) => bus.timers_named(number).for_each(|timer| timer.quirks.no_ossi = true),
             Wrong::NoBuffer => bus.dma.lacks_buffer = true,
             Wrong::LostClears => bus.dma.loses = Some(TIM17_CH1),
+            Wrong::SlowLsi => bus.watchdog.slow_percent = 15,
+            Wrong::NoLockUpBreak => bus.syscfg.lacks_lock_up = true,
+            Wrong::SwappedEncoder(number) => bus.timers_named(number).for_each(|timer| timer.quirks.swapped = true),
+            Wrong::HalfEncoder(number) => bus.timers_named(number).for_each(|timer| timer.quirks.halves = true),
+            Wrong::EarlyIndex(number) => bus.timers_named(number).for_each(|timer| timer.quirks.early_index = true),
+            Wrong::SlowSpi => bus.rcc.halves_spi = true,
             Wrong::Forgets => self.chip.forgets = true,
             Wrong::FiveVolts => bus.gpio.drive(Pin(0, 9), Some(true)),
             Wrong::SlowHsi48 => bus.rcc.hsi48_slow_percent = 1,

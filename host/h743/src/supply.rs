@@ -235,6 +235,8 @@ pub struct Syscfg {
     pub pwrcr: u32,
     /// CFGR lies elsewhere.
     pub lacks_cfgr: bool,
+    /// A core that is locked up breaks nothing.
+    pub lacks_lock_up: bool,
     /// PKGR.
     pub package: u32,
     others: [u32; 12],
@@ -249,7 +251,7 @@ impl Syscfg {
     /// Whether the timers break: these states of the chip, as far as CFGR leads them there.
     pub fn breaks(&self, supply_is_low: bool, is_locked_up: bool) -> bool {
         let led = self.others[CFGR as usize / 4];
-        supply_is_low && led & PVDL != 0 || is_locked_up && led & CM7L != 0
+        supply_is_low && led & PVDL != 0 || is_locked_up && led & CM7L != 0 && !self.lacks_lock_up
     }
 }
 
@@ -280,7 +282,8 @@ impl Device for Syscfg {
     fn advance(&mut self, _: Time, _: &mut Vec<Signal>) {}
 
     fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
-        *self = Syscfg { lacks_cfgr: self.lacks_cfgr, package: self.package, ..Syscfg::default() };
+        let Syscfg { lacks_cfgr, lacks_lock_up, package, .. } = *self;
+        *self = Syscfg { lacks_cfgr, lacks_lock_up, package, ..Syscfg::default() };
     }
 }
 

@@ -4,6 +4,7 @@
 //! In: figures. Out: verdicts. Owns the limits. Numbers of assumptions are rows of
 //! docs/board-assumptions.md; sections are those of RM0433.
 mod captures;
+mod peripherals;
 mod registers;
 
 use super::lines::Figures;
@@ -63,7 +64,7 @@ fn all_of(wrong: Vec<String>, good: &str) -> Verdict {
 
 /// All rows, in the order of the page.
 pub fn rows() -> Vec<&'static Row> {
-    registers::ROWS.iter().chain(captures::ROWS).collect()
+    registers::ROWS.iter().chain(captures::ROWS).chain(peripherals::ROWS).collect()
 }
 
 /// All that is left.
@@ -107,17 +108,6 @@ const BY_HAND: &[ByHand] = &[
         "`beamtick info` over USB answers, with the module's own image. The bring-up image drives the Nucleo's pins alone",
     ),
     by(29, "USB of the module without VBUS", "the same"),
-    by(
-        35,
-        "the watchdog's time",
-        "hold the core by a debugger with WDGLSD1 of DBGMCU_APB4FZ1 cleared: 90 to 110 ms from there to the pulse at NRST",
-    ),
-    by(
-        36,
-        "encoders",
-        "turn an encoder by a revolution and back: four counts a line, then 0; home by its index from both sides",
-    ),
-    by(37, "SPI3", "with the image for an external DAC, a scope at SCK: 32 MHz, 8 cycles a byte"),
     by(
         38,
         "the external DAC",
