@@ -3,10 +3,10 @@
 //!
 //! [`leave`] writes to the memory that start-up leaves as it is, and resets. [`Before::read`] finds
 //! what is left, breaks the timers, writes what they did, and resets again. Then the core is locked
-//! up ([`crate::lock_up`]) until the watchdog resets, and all is found. LSEDRV, in the backup domain,
-//! counts these resets: the words may be lost, and then no fourth one follows. In: jumper 9. Out:
-//! lines. Owns the kept memory and LSEDRV. Nothing else has run in the second step: no pin is driven,
-//! and the core runs at 64 MHz.
+//! up ([`crate::lock_up`]) until the watchdog resets, and all is found. LSEDRV, in the backup
+//! domain, counts these resets: the words may be lost, and then no fourth one follows. In: jumper
+//! 9. Out: lines. Owns the kept memory and LSEDRV. Nothing else has run in the second step: no pin
+//! is driven, and the core runs at 64 MHz.
 use crate::chip::{LASERS, SYSCFG_CFGR};
 use crate::lock_up;
 use crate::report::Report;

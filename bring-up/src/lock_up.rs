@@ -2,8 +2,8 @@
 //!
 //! In: the board, jumpers 1, 2 and 6. Out: a reset by the watchdog; after it, lines. Owns TIM5,
 //! stream 7 of DMA1 and the kept words. No instruction runs meanwhile, so DMA writes what happens:
-//! edges of light, and at each tick the count of TIM5. The memory is not cached, and start-up leaves
-//! it as it is. Fails: words that are lost are no lines.
+//! edges of light, and at each tick the count of TIM5. The memory is not cached, and start-up
+//! leaves it as it is. Fails: words that are lost are no lines.
 use crate::bench::{Bench, TICK_NS, train};
 use crate::capture::{self, Edge};
 use crate::core_facts;

@@ -1,7 +1,8 @@
 //! SPI3, by which an external DAC is reached, without its pins: how long bytes take.
 //!
-//! In: nothing. Out: a line: cycles of the core from a byte to its flag RXP, the same of nine bytes,
-//! and CPHA and CPOL as they are read back. Owns SPI3. Fails: a byte that does not come is 0 cycles.
+//! In: nothing. Out: a line: cycles of the core from a byte to its flag RXP, the same of nine
+//! bytes, and CPHA and CPOL as they are read back. Owns SPI3. Fails: a byte that does not come is 0
+//! cycles.
 use crate::core_facts::cycles_of;
 use crate::report::Report;
 use hal::stm32h743::spi;

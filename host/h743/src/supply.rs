@@ -294,12 +294,23 @@ pub struct Dbgmcu {
     pub device: u16,
     /// Revision: 0x2003 is V.
     pub revision: u16,
+    /// The watchdog goes on under a debugger.
+    pub never_freezes: bool,
     others: [u32; 24],
 }
 
 impl Default for Dbgmcu {
     fn default() -> Self {
-        Dbgmcu { device: 0x450, revision: 0x2003, others: [0; 24] }
+        Dbgmcu { device: 0x450, revision: 0x2003, never_freezes: false, others: [0; 24] }
+    }
+}
+
+impl Dbgmcu {
+    /// Whether the watchdog stands while a debugger halts the core: APB4FZ1.WDGLSD1 (RM0433
+    /// 60.5.8).
+    pub fn freezes_watchdog(&self) -> bool {
+        const APB4FZ1: usize = 0x54;
+        self.others[APB4FZ1 / 4] & 1 << 18 != 0 && !self.never_freezes
     }
 }
 

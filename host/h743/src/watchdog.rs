@@ -42,6 +42,13 @@ impl Watchdog {
         LSI * (100 + self.slow_percent) / 100 * divider * (Time::from(self.reload) + 1)
     }
 
+    /// A debugger has frozen it for so long.
+    pub fn stand(&mut self, time: Time) {
+        if self.is_running() {
+            self.bites += time;
+        }
+    }
+
     /// Whether it has been started.
     pub fn is_running(&self) -> bool {
         self.bites != NEVER

@@ -317,7 +317,7 @@ impl Timer {
 
     /// The clock's guard breaks.
     pub fn lose_clock(&mut self, out: &mut Vec<Signal>, at: Time) {
-        self.brake.clock_lost = true;
+        self.brake.clock_lost = !self.quirks.no_clock_break;
         self.look_at_break(out, at);
     }
 
