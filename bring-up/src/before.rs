@@ -2,11 +2,13 @@
 //! their detector as it is until the next one (RM0433 12.3.5, PVDL).
 //!
 //! [`leave`] writes to the memory that start-up leaves as it is, and resets. [`Before::read`] finds
-//! what is left, breaks the timers, writes what they did, and resets again. Then it finds both.
-//! LSEDRV, in the backup domain, says which of the two resets it was: the words may be lost, and
-//! then no third reset follows. In: jumper 9. Out: lines. Owns the kept memory and LSEDRV. Nothing
-//! else has run in the second step: no pin is driven, and the core runs at 64 MHz.
+//! what is left, breaks the timers, writes what they did, and resets again. Then the core is locked
+//! up ([`crate::lock_up`]) until the watchdog resets, and all is found. LSEDRV, in the backup
+//! domain, counts these resets: the words may be lost, and then no fourth one follows. In: jumper
+//! 9. Out: lines. Owns the kept memory and LSEDRV. Nothing else has run in the second step: no pin
+//! is driven, and the core runs at 64 MHz.
 use crate::chip::{LASERS, SYSCFG_CFGR};
+use crate::lock_up;
 use crate::report::Report;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
@@ -40,8 +42,17 @@ const PVD_IN: u8 = 0b111;
 /// SYSCFG_CFGR.PVDL.
 const PVDL: u32 = 1 << 2;
 
+/// The steps, in LSEDRV: words are left; the supply was low; the core was locked up.
+const LEAVES: u8 = 1;
+const BREAKS: u8 = 2;
+const LOCKS_UP: u8 = 3;
+
 /// What was found.
-pub struct Before([u32; FIGURES]);
+pub struct Before {
+    found: [u32; FIGURES],
+    /// All three resets are over.
+    is_whole: bool,
+}
 
 fn step() -> u8 {
     RCC.bdcr().read().lsedrv().to_bits()
@@ -67,8 +78,8 @@ fn pattern() -> [u32; WORDS] {
 /// Leaves the words, then a byte that nothing follows, and resets. It returns where LSEDRV cannot
 /// be written: nothing would end the resets.
 pub fn leave() {
-    set_step(1);
-    if step() != 1 {
+    set_step(LEAVES);
+    if step() != LEAVES {
         return;
     }
     CAUSE.store(RCC.rsr().read().0, Relaxed);
@@ -91,28 +102,39 @@ impl Before {
     pub fn read() -> Option<Before> {
         match step() {
             _ if RCC.rsr().read().porrstf() => None,
-            1 => {
+            LEAVES => {
                 let is_left = LEFT.iter().zip(pattern()).all(|(word, value)| word.load(Relaxed) == value);
                 let is_whole = LAST.load(Relaxed) == BYTE.into();
-                set_step(2);
+                set_step(BREAKS);
                 let mut found = [0; FIGURES];
                 found[..4].copy_from_slice(&[PATTERN, CAUSE.load(Relaxed), is_left.into(), is_whole.into()]);
                 low_supply(&mut found[4..]);
                 keep(&FOUND, found);
                 SCB::sys_reset()
             }
-            2 => {
+            step @ (BREAKS | LOCKS_UP) => {
                 let mut found = [0; FIGURES];
                 found.iter_mut().zip(&FOUND).for_each(|(to, from)| *to = from.load(Relaxed));
-                Some(Before(found))
+                Some(Before { found, is_whole: step == LOCKS_UP })
             }
             _ => None,
         }
     }
 
+    /// Whether the core is to be locked up now: it has not been, and LSEDRV says so from now on.
+    pub fn goes_on(&self) -> bool {
+        if !self.is_whole {
+            set_step(LOCKS_UP);
+        }
+        !self.is_whole && step() == LOCKS_UP
+    }
+
     /// Reports it.
     pub fn report_to(&self, report: &mut Report) {
-        let [mark, cause, is_left, is_whole, supply @ ..] = self.0.map(i64::from);
+        if self.is_whole {
+            lock_up::report_to(report);
+        }
+        let [mark, cause, is_left, is_whole, supply @ ..] = self.found.map(i64::from);
         if mark != PATTERN.into() {
             // Of the second reset nothing is left either.
             return report.line("left", &[0, 0]);

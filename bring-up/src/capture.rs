@@ -35,30 +35,34 @@ pub enum Edge {
 /// Begins to capture these; whatever was captured before is dropped.
 pub fn begin(captures: &[(End, Edge)]) {
     stop();
-    for &(End { channel, .. }, edge) in captures {
-        let stream = DMA1.st(STREAM + channel);
-        DMAMUX1.ccr(STREAM + channel).write(|w| w.set_dmareq_id(TIM2_CH1 + channel as u8));
-        stream.par().write_value(TIM2.ccr(channel).as_ptr() as u32);
-        stream.m0ar().write_value(COUNTS[channel].as_ptr() as u32);
-        stream.ndtr().write(|w| w.set_ndt(EDGES as u16));
-        stream.cr().write(|w| {
-            w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
-            w.set_minc(true);
-            w.set_psize(Size::BITS32);
-            w.set_msize(Size::BITS32);
-            w.set_pl(Pl::LOW);
-            w.set_en(true);
-        });
-        TIM2.ccmr_input(channel / 2).modify(|w| w.set_ccs(channel % 2, CcmrInputCcs::TI4));
-        TIM2.ccer().modify(|w| {
-            w.set_ccp(channel, edge != Edge::Rising);
-            w.set_ccnp(channel, edge == Edge::Any);
-            w.set_cce(channel, true);
-        });
-        // A capture of before is fetched: it asks for nothing.
-        TIM2.ccr(channel).read();
-        TIM2.dier().modify(|w| w.set_ccde(channel, true));
-    }
+    captures.iter().for_each(|(end, edge)| begin_into(*end, *edge, &COUNTS[end.channel]));
+}
+
+/// Begins to capture edges of an end into these words. Its channel stands.
+pub fn begin_into(end: End, edge: Edge, words: &'static [AtomicU32]) {
+    let channel = end.channel;
+    let stream = DMA1.st(STREAM + channel);
+    DMAMUX1.ccr(STREAM + channel).write(|w| w.set_dmareq_id(TIM2_CH1 + channel as u8));
+    stream.par().write_value(TIM2.ccr(channel).as_ptr() as u32);
+    stream.m0ar().write_value(words.as_ptr() as u32);
+    stream.ndtr().write(|w| w.set_ndt(words.len() as u16));
+    stream.cr().write(|w| {
+        w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
+        w.set_minc(true);
+        w.set_psize(Size::BITS32);
+        w.set_msize(Size::BITS32);
+        w.set_pl(Pl::LOW);
+        w.set_en(true);
+    });
+    TIM2.ccmr_input(channel / 2).modify(|w| w.set_ccs(channel % 2, CcmrInputCcs::TI4));
+    TIM2.ccer().modify(|w| {
+        w.set_ccp(channel, edge != Edge::Rising);
+        w.set_ccnp(channel, edge == Edge::Any);
+        w.set_cce(channel, true);
+    });
+    // A capture of before is fetched: it asks for nothing.
+    TIM2.ccr(channel).read();
+    TIM2.dier().modify(|w| w.set_ccde(channel, true));
 }
 
 /// Ends all captures; what was captured stays.
@@ -84,7 +88,12 @@ pub fn stop() {
 
 /// Edges captured so far of an end.
 pub fn count(end: End) -> usize {
-    EDGES - usize::from(DMA1.st(STREAM + end.channel).ndtr().read().ndt())
+    EDGES - left(end)
+}
+
+/// Words of an end that no edge has filled yet.
+pub fn left(end: End) -> usize {
+    DMA1.st(STREAM + end.channel).ndtr().read().ndt().into()
 }
 
 /// Reports the edges of an end, after [`stop`]: the line's name, then counts, the first `most`.

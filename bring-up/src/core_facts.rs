@@ -36,7 +36,7 @@ pub fn cycles_of<T>(what: impl FnOnce() -> T) -> (u32, T) {
 }
 
 /// TIM5 counts at 240 MHz, 32 bits, from now on.
-fn second_clock() {
+pub fn second_clock() {
     RCC.apb1lenr().modify(|w| w.set_tim5en(true));
     // Read back, so that the clock is there (RM0433 8.5.8).
     RCC.apb1lenr().read();

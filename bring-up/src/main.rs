@@ -2,13 +2,13 @@
 #![no_main]
 //! The bring-up image: the reference board measures itself and reports the figures over its link.
 //!
-//! In: the line `go` from the host, the jumpers of docs/bring-up.md. Out: lines of figures
-//! ([`report`]). Owns the board. It judges nothing: limits and advice are the host's
-//! (`host/beamtick/src/bring_up/`). At the first order it resets the chip twice ([`before`]), and
-//! measures at the next one, which the host sends within 0.5 s. It resets the chip after each run,
-//! so each begins like a power-on. Fails: a chip that the board's start-up refuses lights LD3 and
-//! reports nothing. On another package it drives the link's line alone, and reports what registers
-//! tell.
+//! In: the line `go` from the host, or one of [`clock_loss`]; the jumpers of docs/bring-up.md. Out:
+//! lines of figures ([`report`]). Owns the board. It judges nothing: limits and advice are the
+//! host's (`host/beamtick/src/bring_up/`). At the first order it resets the chip twice
+//! ([`before`]), at the second it locks the core up ([`lock_up`]), and it measures at the third.
+//! The host sends one each 0.5 s. It resets the chip after each run, so each begins like a
+//! power-on. Fails: a chip that the board's start-up refuses lights LD3 and reports nothing. On
+//! another package it drives the link's line alone, and reports what registers tell.
 //!
 //! It has no servo tick, no client and no light of its own will. Outputs move while it measures:
 //! no drive and no laser may be connected.
@@ -17,17 +17,21 @@ mod before;
 mod bench;
 mod capture;
 mod chip;
+mod clock_loss;
 mod core_facts;
 mod hsi48;
 mod light;
+mod lock_up;
 mod pause;
 mod report;
+mod spi3;
 mod stack;
+mod turns;
 mod wires;
 
 use bench::Bench;
 use cortex_m::peripheral::SCB;
-use hal::board::{self, machine::Machine, package, settings, timer::TickTimer, uart::Rx};
+use hal::board::{self, machine::Machine, package, settings, timer::TickTimer, uart::Rx, uart::Tx};
 use report::Report;
 
 /// Version of the lines.
@@ -54,19 +58,41 @@ const fn number(text: &str) -> i64 {
 /// Cycles of a byte of the link.
 pub const A_BYTE: u32 = 1600;
 
-/// Waits for a line that ends in `go`; anything else is no order.
-fn await_order(rx: &mut Rx) {
-    let mut last = [0; 3];
+/// What the host wants.
+enum Order {
+    /// A run.
+    Measure,
+    /// Light until the clock stops.
+    Light,
+    /// What was found when it stopped.
+    Report,
+}
+
+/// Waits for a line that ends in an order; anything else is none.
+fn await_order(rx: &mut Rx) -> Order {
+    let mut last = [0; 4];
     loop {
-        if let Some(byte) = rx.receive() {
-            last = [last[1], last[2], byte];
-            if last == *b"go\n" {
-                return;
-            }
-        } else {
+        let Some(byte) = rx.receive() else {
             pause::cycles(A_BYTE);
+            continue;
+        };
+        last = [last[1], last[2], last[3], byte];
+        match &last {
+            [_, b'g', b'o', b'\n'] => return Order::Measure,
+            b"lit\n" => return Order::Light,
+            b"why\n" => return Order::Report,
+            _ => {}
         }
     }
+}
+
+/// The first lines of each report.
+fn begin(tx: Tx) -> Report {
+    let mut report = Report::to(tx);
+    report.line("format", &[FORMAT]);
+    report.line("version", &VERSION);
+    report.name("board", board::NAME);
+    report
 }
 
 #[cortex_m_rt::entry]
@@ -78,14 +104,24 @@ fn main() -> ! {
     let board = board::take_to_measure().expect("the board is taken once");
     let (tx, mut rx) = board.link;
     core_facts::count_cycles();
-    await_order(&mut rx);
-    if before.is_none() {
-        before::leave();
+    let order = await_order(&mut rx);
+    if !matches!(order, Order::Measure) {
+        // A run after it begins like the first one.
+        before::forget();
+        let mut report = begin(tx);
+        match order {
+            Order::Light if !package::is_other() => clock_loss::await_loss(&mut report, board.machine, board.timer),
+            _ => clock_loss::report_to(&mut report),
+        }
+        report.end();
+        SCB::sys_reset()
     }
-    let mut report = Report::to(tx);
-    report.line("format", &[FORMAT]);
-    report.line("version", &VERSION);
-    report.name("board", board::NAME);
+    match &before {
+        None => before::leave(),
+        Some(before) if before.goes_on() => lock_up::until_reset(board.machine, board.timer),
+        Some(_) => {}
+    }
+    let mut report = begin(tx);
     if let Some(before) = before {
         before.report_to(&mut report);
     }
@@ -93,6 +129,7 @@ fn main() -> ! {
     chip::report_to(&mut report);
     core_facts::report_to(&mut report);
     report.line("step-width", &[settings::STEP_WIDTH_NS.into()]);
+    spi3::report_to(&mut report);
     if !package::is_other() {
         measure(&mut report, board.machine, board.timer);
     }
@@ -112,6 +149,7 @@ fn measure(report: &mut Report, machine: Machine, timer: TickTimer) {
         }
     }
     chip::five_volts(report);
+    turns::report_to(report);
     analog::enable_at_once(report);
     let mut bench = Bench::begin(machine, timer);
     light::start(&mut bench, report);

@@ -46,8 +46,13 @@ impl Report {
 
     /// The last line: how many came before it. Returns once all has left the chip.
     pub fn end(&mut self) {
-        self.line("end", &[self.lines]);
+        self.end_at_once();
         self.flush();
+    }
+
+    /// The same; the UART's FIFO takes the line, once all others have left the chip.
+    pub fn end_at_once(&mut self) {
+        self.line("end", &[self.lines]);
     }
 
     /// Returns once all has left the chip.
@@ -100,8 +105,8 @@ impl Write for Last {
     }
 }
 
-/// The outputs are in the safe state; the watchdog resets the chip.
-fn stop(reason: fmt::Arguments<'_>) -> ! {
+/// Ends the run: the outputs are in the safe state, and the watchdog resets the chip.
+pub fn stop(reason: fmt::Arguments<'_>) -> ! {
     board::safe_state();
     watchdog::feed();
     // The next run begins like the first one.

@@ -200,6 +200,16 @@ pub fn bring_up_over(link: Box<dyn Link>, words: &[&str]) -> Result<(), Failure>
     }
 }
 
+pub use bring_up::Hands;
+
+/// `beamtick bring-up --hands` with these arguments, by these hands.
+pub fn bring_up_by_hand(hands: &mut dyn Hands, words: &[&str]) -> Result<(), Failure> {
+    match parsed(&[&["beamtick", "bring-up", "--link", "by-hand"], words].concat())?.command {
+        Command::BringUp(arguments) => bring_up::by_hand(hands, &arguments),
+        _ => Err(Failure::Input("it is no bring-up".to_owned())),
+    }
+}
+
 /// `beamtick run` with these arguments, over `link`.
 pub fn run_over(link: Box<dyn Link>, words: &[&str]) -> Result<(), Failure> {
     let name = link.name().to_owned();

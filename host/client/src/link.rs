@@ -26,6 +26,10 @@ pub trait Link: Send {
     fn real_time(&self) -> bool {
         true
     }
+    /// Whether this is the port of a board's own USB, and no adapter's: its product says so.
+    fn is_boards_usb(&mut self) -> bool {
+        false
+    }
     /// How many times longer than a board's its answers may take: an emulated board waits for its
     /// host.
     fn patience(&self) -> u32 {

@@ -43,6 +43,10 @@ fn what_helps(error: &serialport::Error) -> String {
     }
 }
 
+/// What a board's own USB says of itself (docs/board-h743.md, "USB").
+const PRODUCT: &str = "Beamtick";
+const IDENTITY: (u16, u16) = (0x1209, 0x0001);
+
 /// Ports that a message names at most.
 const SHOWN: usize = 8;
 
@@ -97,6 +101,18 @@ impl Link for SerialLink {
 
     fn trace_rate(&self) -> u32 {
         trace_rate(self.baud)
+    }
+
+    fn is_boards_usb(&mut self) -> bool {
+        let Some(path) = self.port.name() else { return false };
+        // A name of the system may be a link to the port's.
+        let path = std::fs::canonicalize(&path).map_or(path, |path| path.to_string_lossy().into_owned());
+        let is_it = |port: &serialport::SerialPortInfo| {
+            let SerialPortType::UsbPort(usb) = &port.port_type else { return false };
+            // The identity of firmware/src/usb.rs: it stays where a system gives no product's name.
+            port.port_name == path && (usb.product.as_deref() == Some(PRODUCT) || (usb.vid, usb.pid) == IDENTITY)
+        };
+        serialport::available_ports().is_ok_and(|ports| ports.iter().any(is_it))
     }
 
     fn now(&mut self) -> u64 {

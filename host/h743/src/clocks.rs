@@ -119,6 +119,8 @@ pub struct Rcc {
     pub hsi48_slow_percent: Time,
     /// Timers of APB 1 count half as fast.
     pub halves_timers: bool,
+    /// The kernel of SPI 1 to 3 has half its clock.
+    pub halves_spi: bool,
     /// The fastest core that the supply allows, as time a cycle; set by the machine from PWR.
     pub fastest: Time,
     /// What was set against the manual.
@@ -136,6 +138,7 @@ impl Default for Rcc {
             source: true,
             hsi48_slow_percent: 0,
             halves_timers: false,
+            halves_spi: false,
             fastest: 0,
             complaint: None,
         };
@@ -312,11 +315,12 @@ impl Rcc {
 
     /// Kernel clock of SPI 1 to 3 (D2CCIP1R.SPI123SEL): PLL1's Q output, or per_ck.
     fn spi(&self) -> Option<Time> {
-        match self.at(D2CCIP1R) >> 12 & 7 {
+        let source = match self.at(D2CCIP1R) >> 12 & 7 {
             0 => self.pll1_q(),
             4 => self.per(),
             _ => None,
-        }
+        };
+        source.map(|period| period << u32::from(self.halves_spi))
     }
 
     /// per_ck (D1CCIPR.CKPERSEL).

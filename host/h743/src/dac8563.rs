@@ -29,7 +29,15 @@ pub type Write = (Time, usize, u16);
 /// nothing (8.5.1), and neither does a byte outside of a frame. While the chip does not drive the
 /// select line, the board's resistor pulls it up.
 pub fn shown(chip: &Chip, select: Pin) -> Vec<Write> {
+    shown_up_to(chip, select, 50)
+}
+
+/// The same of a part whose clock may have so many MHz: it takes no frame of a faster one.
+pub fn shown_up_to(chip: &Chip, select: Pin, mhz: u64) -> Vec<Write> {
     let (mut from, mut writes) = (None, Vec::new());
+    if chip.bus.spi.bit().is_some_and(|bit| bit < from_nanoseconds(1000) / mhz) {
+        return writes;
+    }
     for change in chip.bus.gpio.changes.iter().filter(|change| change.pin == select) {
         if change.level == Level::Driven(false) {
             from.get_or_insert(change.at);

@@ -81,6 +81,33 @@ pub enum Wrong {
     NoIdleLevels(u8),
     /// TRBUFF of DMA's streams reads as 0.
     NoBuffer,
+    /// LSI is 15 % slow.
+    SlowLsi,
+    /// A core that is locked up does not break the timers.
+    NoLockUpBreak,
+    /// A and B of this timer's encoder are swapped.
+    SwappedEncoder(u8),
+    /// This timer counts the edges of A alone.
+    HalfEncoder(u8),
+    /// The index of this timer passes no filter, as A and B do.
+    EarlyIndex(u8),
+    /// The kernel of SPI 1 to 3 has half its clock.
+    SlowSpi,
+    /// The clock's guard does not break the timers.
+    NoClockBreak,
+    /// The watchdog goes on while a debugger halts the core.
+    NotFrozen,
+    /// The device at USB does not connect.
+    NoDevice,
+    /// GOTGCTL makes no session.
+    NoSession,
+    /// The source of the board's clock does not run.
+    NoSource,
+    /// Each 500th byte that DMA fetches from the link is damaged.
+    SpoiltBytes,
+    /// Each fiftieth packet of data of USB is damaged, as by an endpoint that was set again too
+    /// early.
+    SpoiltPackets,
     /// What DMA writes for TIM17's compare requests is lost: slots that were played stay.
     LostClears,
 }
@@ -116,6 +143,14 @@ pub struct Quirks {
     pub rewinds: bool,
     /// [`Wrong::NoIdleLevels`].
     pub no_ossi: bool,
+    /// [`Wrong::SwappedEncoder`].
+    pub swapped: bool,
+    /// [`Wrong::HalfEncoder`].
+    pub halves: bool,
+    /// [`Wrong::EarlyIndex`].
+    pub early_index: bool,
+    /// [`Wrong::NoClockBreak`].
+    pub no_clock_break: bool,
 }
 
 impl Machine {
@@ -157,6 +192,19 @@ impl Machine {
             Wrong::NoIdleLevels(number) => bus.timers_named(number).for_each(|timer| timer.quirks.no_ossi = true),
             Wrong::NoBuffer => bus.dma.lacks_buffer = true,
             Wrong::LostClears => bus.dma.loses = Some(TIM17_CH1),
+            Wrong::SlowLsi => bus.watchdog.slow_percent = 15,
+            Wrong::NoLockUpBreak => bus.syscfg.lacks_lock_up = true,
+            Wrong::SwappedEncoder(number) => bus.timers_named(number).for_each(|timer| timer.quirks.swapped = true),
+            Wrong::HalfEncoder(number) => bus.timers_named(number).for_each(|timer| timer.quirks.halves = true),
+            Wrong::EarlyIndex(number) => bus.timers_named(number).for_each(|timer| timer.quirks.early_index = true),
+            Wrong::SlowSpi => bus.rcc.halves_spi = true,
+            Wrong::NoClockBreak => bus.timers.iter_mut().for_each(|timer| timer.quirks.no_clock_break = true),
+            Wrong::NotFrozen => bus.dbgmcu.never_freezes = true,
+            Wrong::NoDevice => bus.usb.core.no_device = true,
+            Wrong::NoSession => bus.usb.core.no_session = true,
+            Wrong::NoSource => self.give_clock(false),
+            Wrong::SpoiltBytes => bus.usart.spoils = true,
+            Wrong::SpoiltPackets => bus.usb.core.spoils_packets = true,
             Wrong::Forgets => self.chip.forgets = true,
             Wrong::FiveVolts => bus.gpio.drive(Pin(0, 9), Some(true)),
             Wrong::SlowHsi48 => bus.rcc.hsi48_slow_percent = 1,

@@ -108,6 +108,10 @@ impl Link for EmulatedLink {
         nanoseconds(lock(&self.machine).chip.now)
     }
 
+    fn is_boards_usb(&mut self) -> bool {
+        self.usb
+    }
+
     fn real_time(&self) -> bool {
         false
     }

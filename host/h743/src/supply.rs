@@ -235,6 +235,8 @@ pub struct Syscfg {
     pub pwrcr: u32,
     /// CFGR lies elsewhere.
     pub lacks_cfgr: bool,
+    /// A core that is locked up breaks nothing.
+    pub lacks_lock_up: bool,
     /// PKGR.
     pub package: u32,
     others: [u32; 12],
@@ -249,7 +251,7 @@ impl Syscfg {
     /// Whether the timers break: these states of the chip, as far as CFGR leads them there.
     pub fn breaks(&self, supply_is_low: bool, is_locked_up: bool) -> bool {
         let led = self.others[CFGR as usize / 4];
-        supply_is_low && led & PVDL != 0 || is_locked_up && led & CM7L != 0
+        supply_is_low && led & PVDL != 0 || is_locked_up && led & CM7L != 0 && !self.lacks_lock_up
     }
 }
 
@@ -280,7 +282,8 @@ impl Device for Syscfg {
     fn advance(&mut self, _: Time, _: &mut Vec<Signal>) {}
 
     fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
-        *self = Syscfg { lacks_cfgr: self.lacks_cfgr, package: self.package, ..Syscfg::default() };
+        let Syscfg { lacks_cfgr, lacks_lock_up, package, .. } = *self;
+        *self = Syscfg { lacks_cfgr, lacks_lock_up, package, ..Syscfg::default() };
     }
 }
 
@@ -291,12 +294,23 @@ pub struct Dbgmcu {
     pub device: u16,
     /// Revision: 0x2003 is V.
     pub revision: u16,
+    /// The watchdog goes on under a debugger.
+    pub never_freezes: bool,
     others: [u32; 24],
 }
 
 impl Default for Dbgmcu {
     fn default() -> Self {
-        Dbgmcu { device: 0x450, revision: 0x2003, others: [0; 24] }
+        Dbgmcu { device: 0x450, revision: 0x2003, never_freezes: false, others: [0; 24] }
+    }
+}
+
+impl Dbgmcu {
+    /// Whether the watchdog stands while a debugger halts the core: APB4FZ1.WDGLSD1 (RM0433
+    /// 60.5.8).
+    pub fn freezes_watchdog(&self) -> bool {
+        const APB4FZ1: usize = 0x54;
+        self.others[APB4FZ1 / 4] & 1 << 18 != 0 && !self.never_freezes
     }
 }
 

@@ -80,6 +80,9 @@ pub struct Usart {
     pub lost: u64,
     /// By how much its clock is slow.
     pub slow_percent: Time,
+    /// Each 500th byte that is read is damaged, and how many were read.
+    pub spoils: bool,
+    read: u64,
     /// What is set against the model's or the wire's limits.
     pub complaint: Option<String>,
 }
@@ -111,6 +114,8 @@ impl Usart {
             sent: Vec::new(),
             lost: 0,
             slow_percent: 0,
+            spoils: false,
+            read: 0,
             complaint: None,
         }
     }
@@ -250,7 +255,11 @@ impl Device for Usart {
             RQR | ICR | TDR => 0,
             ISR => self.status(),
             RDR => {
-                let byte = self.received.pop_front().unwrap_or(0);
+                let mut byte = self.received.pop_front().unwrap_or(0);
+                self.read += 1;
+                if self.spoils && self.read.is_multiple_of(500) {
+                    byte ^= 0x55;
+                }
                 self.asked = false;
                 self.ask(out);
                 self.report(out);
@@ -341,7 +350,7 @@ impl Device for Usart {
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
         let wire = (std::mem::take(&mut self.arriving), std::mem::take(&mut self.sent), self.host_free, self.lost);
         let complaint = self.complaint.take();
-        *self = Usart { slow_percent: self.slow_percent, ..Usart::new(self.interrupt) };
+        *self = Usart { slow_percent: self.slow_percent, spoils: self.spoils, ..Usart::new(self.interrupt) };
         (self.arriving, self.sent, self.host_free, self.lost) = wire;
         self.complaint = complaint;
         out.push(Signal::Output(Source::UsartTx(3), None));

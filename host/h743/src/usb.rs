@@ -128,6 +128,13 @@ pub struct Core {
     session: bool,
     /// They do not reach the chip.
     pub lacks_vbus: bool,
+    /// GOTGCTL makes no session.
+    pub no_session: bool,
+    /// D+ is never pulled up.
+    pub no_device: bool,
+    /// Each fiftieth packet of data arrives damaged, and how many have come.
+    pub spoils_packets: bool,
+    taken: u32,
     /// Supply and pins; time of a cycle of its clock.
     connected: bool,
     clock: Option<Time>,
@@ -152,8 +159,8 @@ impl Core {
     /// The pull-up at D+: the session of a B-device by VBUS, or by GOTGCTL instead; supply, pins,
     /// transceiver, no soft disconnect.
     fn pulls_up(&self) -> bool {
-        let session = self.session || self.gotgctl & BVALO == BVALO;
-        session && self.connected && self.gccfg & 1 << 16 != 0 && self.dctl & 1 << 1 == 0
+        let session = self.session || self.gotgctl & BVALO == BVALO && !self.no_session;
+        session && !self.no_device && self.connected && self.gccfg & 1 << 16 != 0 && self.dctl & 1 << 1 == 0
     }
 
     /// The host sees the pull-up. A clock of 48 MHz is there as well.
@@ -251,12 +258,17 @@ impl Core {
             return Handshake::Stall;
         }
         let enabled = endpoint.enabled && endpoint.size & PKTCNT != 0 || self.lenient;
-        if endpoint.nak || !enabled || !self.store(number, (OUT_DATA, OUT_DONE), packet) {
+        let mut packet = packet.to_vec();
+        if self.spoils_packets && number != 0 && self.taken % 50 == 49 {
+            packet.iter_mut().take(1).for_each(|byte| *byte ^= 0x55);
+        }
+        if endpoint.nak || !enabled || !self.store(number, (OUT_DATA, OUT_DONE), &packet) {
             return Handshake::Nak;
         }
         if number != 0 && self.outs[number].odd != odd {
             self.complain("the host and the core do not agree about DATA0 and DATA1 of what the host sends");
         }
+        self.taken += u32::from(number != 0);
         let endpoint = &mut self.outs[number];
         endpoint.nak = true;
         endpoint.size &= !PKTCNT;
@@ -549,8 +561,11 @@ impl Device for Usb {
     }
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
-        let Core { vbus, lacks_vbus, connected, lenient, complaint, .. } = std::mem::take(&mut self.core);
-        self.core = Core { vbus, lacks_vbus, connected, lenient, complaint, ..Core::initial() };
+        let before = std::mem::take(&mut self.core);
+        let Core { vbus, lacks_vbus, connected, lenient, complaint, .. } = before;
+        let Core { no_session, no_device, spoils_packets, .. } = before;
+        let kept = Core { no_session, no_device, spoils_packets, ..Core::initial() };
+        self.core = Core { vbus, lacks_vbus, connected, lenient, complaint, ..kept };
         self.report(out);
     }
 

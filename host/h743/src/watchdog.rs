@@ -25,11 +25,13 @@ pub struct Watchdog {
     bites: Time,
     /// Updates are in progress until then.
     busy: Time,
+    /// LSI is so much slower.
+    pub slow_percent: Time,
 }
 
 impl Default for Watchdog {
     fn default() -> Self {
-        Watchdog { unlocked: false, prescaler: 0, reload: 0xfff, window: 0xfff, bites: NEVER, busy: 0 }
+        Watchdog { unlocked: false, prescaler: 0, reload: 0xfff, window: 0xfff, bites: NEVER, busy: 0, slow_percent: 0 }
     }
 }
 
@@ -37,7 +39,14 @@ impl Watchdog {
     /// From a feeding to the bite.
     pub fn time(&self) -> Time {
         let divider = 4 << self.prescaler.min(6);
-        LSI * divider * (Time::from(self.reload) + 1)
+        LSI * (100 + self.slow_percent) / 100 * divider * (Time::from(self.reload) + 1)
+    }
+
+    /// A debugger has frozen it for so long.
+    pub fn stand(&mut self, time: Time) {
+        if self.is_running() {
+            self.bites += time;
+        }
     }
 
     /// Whether it has been started.
@@ -97,6 +106,6 @@ impl Device for Watchdog {
     }
 
     fn reset(&mut self, _: Time, _: &mut Vec<Signal>) {
-        *self = Watchdog::default();
+        *self = Watchdog { slow_percent: self.slow_percent, ..Watchdog::default() };
     }
 }

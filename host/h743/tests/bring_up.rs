@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// Jumpers of docs/bring-up.md: number, the pin that drives, the end.
-const JUMPERS: [(u8, &str, &str); 9] = [
+const JUMPERS: [(u8, &str, &str); 15] = [
     (1, "PE9", "PA0"),
     (2, "PE5", "PB3"),
     (3, "PC7", "PB10"),
@@ -22,6 +22,12 @@ const JUMPERS: [(u8, &str, &str); 9] = [
     (6, "PG14", "PE3"),
     (6, "PG14", "PG2"),
     (6, "PG14", "PA15"),
+    (10, "PG0", "PB4"),
+    (10, "PG0", "PD12"),
+    (11, "PG1", "PB5"),
+    (11, "PG1", "PD13"),
+    (12, "PG3", "PB1"),
+    (12, "PG3", "PD14"),
 ];
 /// Those of the converters: number, output of DAC1, input of ADC3 (PC3_C, PC2_C).
 const LOOPS: [(u8, usize, usize); 2] = [(7, 0, 1), (8, 1, 0)];
@@ -65,7 +71,6 @@ fn measure(board: &Shared) -> (Result<(), Failure>, String) {
 /// Rows of the page: result and figure by what is measured.
 fn rows(page: &str) -> BTreeMap<&str, (&str, &str)> {
     page.lines()
-        .take_while(|line| *line != "## By hand")
         .filter_map(|line| {
             let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
             let &[what, _, result, figure] = cells.as_slice() else { return None };
@@ -85,12 +90,14 @@ fn a_chip_as_assumed_passes_every_row() {
     println!("{page}");
     assert_eq!((failed(&page), outcome.is_ok()), (vec![], true), "{page}");
     let rows_of_first = rows(&page);
-    let not_measured = rows_of_first.iter().find(|(_, (result, _))| *result == "not measured");
-    assert_eq!(not_measured, None);
+    // What the board's own image or a hand measures names the option that does.
+    let not_measured = rows_of_first.values().filter(|(result, _)| *result == "not measured");
+    let options: Vec<_> = not_measured.filter_map(|(_, why)| why.split_once(" --")).map(|(head, _)| head).collect();
+    assert_eq!(options, ["`bring-up"; 9]);
     // Figures worked out by hand: the plan of bring-up/src/light.rs, and the model's 21 counts of
     // DMA.
     for (row, figure) in [
-        ("jumpers", "all nine"),
+        ("jumpers", "all twelve"),
         ("laser lines at rest", "+ high, − low"),
         (
             "floating-point registers are saved lazily",
@@ -111,6 +118,11 @@ fn a_chip_as_assumed_passes_every_row() {
         ("cause of the reset", "RCC_RSR 0x00fa0000"),
         ("the first start after power-on", "no other reset since"),
         ("DBGMCU_APB4FZ1.WDGLSD1 read back", "1"),
+        ("the watchdog's time", "100.0 ms, of 94.9 to 107.8: LSI 32.0 kHz"),
+        (
+            "encoders count four a line, to and fro",
+            "TIM3 40, then -40, of 40 and -40; TIM4 40, then -40, of 40 and -40",
+        ),
     ] {
         assert_eq!(rows_of_first[row].1, figure, "{row}");
     }
@@ -158,7 +170,7 @@ fn ticks_of_the_boards_own_image_are_measured_under_loads() {
     let page = std::fs::read_to_string(page).unwrap_or_default();
     assert!(outcome.is_ok(), "{outcome:?}\n{page}");
     println!("{page}");
-    let rows = rows(&page);
+    let rows = rows(page.split("## Ticks under load").nth(1).unwrap());
     assert_eq!(rows.len(), 6);
     assert!(rows.values().all(|(result, _)| *result == "pass"), "{page}");
     assert!(page.contains("Board nucleo-h743zi2, image 0.1.0, over h743, by `beamtick bring-up` 0.1.0 on 2"), "{page}");
@@ -343,7 +355,7 @@ fn a_page_that_cannot_be_written_is_found_before_the_measurement() {
 
 #[test]
 fn without_jumpers_rows_are_not_measured_and_none_fails() {
-    let Some(board) = board(&[], &[1, 2, 3, 4, 5, 6, 7, 8, 9]) else { return };
+    let Some(board) = board(&[], &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]) else { return };
     let (outcome, page) = measure(&board);
     assert_eq!((failed(&page), outcome.is_ok()), (vec![], true), "{page}");
     let rows = rows(&page);
@@ -439,6 +451,7 @@ fn wrong_facts_of_supplies_and_clocks_fail_in_their_rows_alone() {
             "a low supply breaks each timer",
             "TIM1: MOE 1, then 1, SR 0x0; TIM15: MOE 1, then 1, SR 0x0; TIM8: MOE 1, then 1, SR 0x0",
         ),
+        (Wrong::NoBreakSources, "a locked-up core ends light", "laser 0: 7 edges after it; laser 1: 7 edges after it"),
         (Wrong::FiveVolts, "VBUS at the connector of USB, PD10 low", "PA9 is high"),
         (Wrong::SlowHsi48, "HSI48 by the board's clock", "-9901 ppm, of ±2500"),
     ]);
@@ -453,7 +466,12 @@ fn together(facts: &[(Wrong, &str, &str)]) {
     let mut rows_of_facts: Vec<&str> = facts.iter().map(|(_, row, _)| *row).collect();
     rows_of_facts.sort_unstable();
     assert_eq!(failed(&page), rows_of_facts, "{page}");
-    facts.iter().for_each(|(wrong, row, figure)| assert_eq!(rows(&page)[row].1, *figure, "{wrong:?}"));
+    for (wrong, row, figure) in facts {
+        println!("{wrong:?}: {row}: {}", rows(&page)[row].1);
+        assert!(figure.is_empty() || rows(&page)[row].1 == *figure, "{wrong:?}: {}", rows(&page)[row].1);
+    }
+    let advice = page.split("## What to change").nth(1).unwrap();
+    assert!(facts.iter().all(|(_, what, _)| advice.contains(&format!("- {what}: "))), "no advice");
 }
 
 /// Bursts, streams, the interlock's time, the clock that counts.
@@ -471,6 +489,26 @@ fn a_wrong_fact_of_dma_or_of_a_timer_fails_in_its_row() {
         (Wrong::KeepsBurst(15), broken_off, ""),
         (Wrong::KeepsBurst(8), broken_off, ""),
         (Wrong::SlowDma, &["cycles of 2 MHz, all streams busy", "a step after its slot"], ""),
+    ]);
+}
+
+/// Facts of the watchdog, a locked-up core, encoders and SPI3: each fails its row, and no other
+/// one.
+#[test]
+fn a_wrong_fact_of_a_peripheral_fails_in_its_row_alone() {
+    const COUNTS: &str = "encoders count four a line, to and fro";
+    const INDEX: &str = "an index is latched at the delay of A and B";
+    together(&[(Wrong::SlowLsi, "the watchdog's time", "115.0 ms, of 94.9 to 107.8: LSI 27.8 kHz")]);
+    together(&[(
+        Wrong::NoLockUpBreak,
+        "a locked-up core ends light",
+        "laser 0: 7 edges after it; laser 1: 7 edges after it",
+    )]);
+    together(&[(Wrong::EarlyIndex(4), INDEX, "")]);
+    together(&[(Wrong::SlowSpi, "a byte of SPI3", "")]);
+    check([
+        (Wrong::SwappedEncoder(3), &[COUNTS], "TIM3 -40, then 40, of 40 and -40"),
+        (Wrong::HalfEncoder(4), &[COUNTS], "TIM4 20, then -20, of 40 and -40"),
     ]);
 }
 

@@ -1,9 +1,11 @@
 //! `beamtick bring-up`: a board measures itself, and the result is a page.
 //!
 //! In: the lines of the bring-up image ([`lines`]), or the ticks of the board's own image under
-//! [`loads`]. Out: a page in Markdown with a row for each
+//! [`loads`], or its [`answers`]; or what [`hands`] do. Out: a page in Markdown with a row for each
 //! fact ([`rows`]), pass, fail or a figure, and what to change on a fail. Owns the limits. Fails: a
 //! board that does not answer, a line that arrives damaged, a run that ends early.
+mod answers;
+mod hands;
 mod jumper;
 mod lines;
 mod loads;
@@ -14,9 +16,10 @@ use crate::Failure;
 use crate::command_line::BringUp;
 use crate::{connect, interrupt};
 use client::Link;
+pub use hands::Hands;
+use hands::Terminal;
 use lines::{Figures, Reader};
 use page::{Older, Report};
-
 use std::time::Duration;
 
 /// The board waits for this line.
@@ -34,8 +37,21 @@ const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image (`c
 /// Runs it over the link that the command line names.
 pub fn run(arguments: &BringUp) -> Result<(), Failure> {
     connect::check(&arguments.link)?;
-    let link = client::link::open(&arguments.link)?;
-    over(link, arguments)
+    let page = arguments.page.as_deref();
+    if let Some(what) = arguments.hands {
+        return hands::with(&mut Terminal::at(&arguments.link), what, page);
+    }
+    let link = client::link::open(&arguments.link);
+    if let Some(board) = arguments.answers {
+        return answers::over(link, board, page);
+    }
+    over(link?, arguments)
+}
+
+/// Runs it with these hands.
+pub fn by_hand(hands: &mut dyn Hands, arguments: &BringUp) -> Result<(), Failure> {
+    let what = arguments.hands.ok_or_else(|| Failure::Input("--hands is missing".to_owned()))?;
+    hands::with(hands, what, arguments.page.as_deref())
 }
 
 /// Runs it over this link.
@@ -44,20 +60,20 @@ pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure>
     if arguments.loads {
         return loads::over(link, arguments.soak, name);
     }
+    if let Some(board) = arguments.answers {
+        return answers::over(Ok(link), board, name);
+    }
     let mut failed = 0;
     page::write(name, Older::Aside, |_| {
-        let report = Report::of(&measure(&mut *link)?);
+        let report = Report::of(&measure(&mut *link, ORDER)?);
         failed = report.failed();
         Ok((report.text(), report.summary()))
     })?;
-    match failed {
-        0 => Ok(()),
-        failed => Err(Failure::Job(format!("{failed} rows failed; the page says what to change"))),
-    }
+    page::failure(failed)
 }
 
 /// Orders a run and reads its lines.
-fn measure(link: &mut dyn Link) -> Result<Figures, Failure> {
+fn measure(link: &mut dyn Link, order: &[u8]) -> Result<Figures, Failure> {
     let mut reader = Reader::default();
     let began = link.now();
     let (mut ordered, mut heard) = (None::<u64>, began);
@@ -68,7 +84,7 @@ fn measure(link: &mut dyn Link) -> Result<Figures, Failure> {
         }
         let now = link.now();
         if !reader.has_begun() && ordered.is_none_or(|at| now - at >= REPEAT_NS) {
-            link.send(ORDER)?;
+            link.send(order)?;
             ordered = Some(now);
         }
         let count = link.receive(&mut bytes, RECEIVE_TIME)?;

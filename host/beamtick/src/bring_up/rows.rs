@@ -4,6 +4,8 @@
 //! In: figures. Out: verdicts. Owns the limits. Numbers of assumptions are rows of
 //! docs/board-assumptions.md; sections are those of RM0433.
 mod captures;
+mod elsewhere;
+mod peripherals;
 mod registers;
 
 use super::lines::Figures;
@@ -45,17 +47,6 @@ pub struct Row {
     pub remedy: &'static str,
 }
 
-/// What the board cannot measure.
-#[derive(Debug)]
-pub struct ByHand {
-    /// Row of docs/board-assumptions.md.
-    pub assumption: u8,
-    /// What.
-    pub what: &'static str,
-    /// How it is measured.
-    pub how: &'static str,
-}
-
 /// What fails, a sentence each, or what all have.
 fn all_of(wrong: Vec<String>, good: &str) -> Verdict {
     if wrong.is_empty() { Verdict::Pass(good.to_owned()) } else { Verdict::Fail(wrong.join("; ")) }
@@ -63,12 +54,13 @@ fn all_of(wrong: Vec<String>, good: &str) -> Verdict {
 
 /// All rows, in the order of the page.
 pub fn rows() -> Vec<&'static Row> {
-    registers::ROWS.iter().chain(captures::ROWS).collect()
+    let of_image = registers::ROWS.iter().chain(captures::ROWS).chain(peripherals::ROWS);
+    of_image.chain(elsewhere::ROWS).collect()
 }
 
-/// All that is left.
-pub fn by_hand() -> &'static [ByHand] {
-    BY_HAND
+/// Those of them that other runs measure than that of the bring-up image.
+pub fn elsewhere() -> &'static [Row] {
+    elsewhere::ROWS
 }
 
 /// What a page about a board calls an assumption: the first cell of its row.
@@ -78,77 +70,29 @@ fn listed(page: &str) -> Vec<u8> {
     page.lines().filter_map(first).collect()
 }
 
-const BY_HAND: &[ByHand] = &[
-    by(8, "the watchdog under a debugger", "halt for a second, go on: no reset. A program cannot halt its own core so"),
-    by(
-        16,
-        "the link's stream beside others",
-        "`bring-up --loads --soak 60` with the board's own image: a short run proves nothing",
-    ),
-    by(
-        26,
-        "the ST-LINK's clock without a host",
-        "supply by VIN (JP2), unplug the host for a minute, plug it in: `beamtick info` shows a clock that ran on, and no \
-         fault. A program cannot unplug it",
-    ),
-    by(
-        27,
-        "USB",
-        "`bring-up --loads` over CN13 with the board's own image; its section names the link. The bring-up image has no USB",
-    ),
-    by(
-        33,
-        "the clock's guard breaks the timers",
-        "an LED at energy −, light on, hold the ST-LINK in reset: no program can stop its clock",
-    ),
-    by(
-        28,
-        "the crystal of the module starts",
-        "`beamtick info` over USB answers, with the module's own image. The bring-up image drives the Nucleo's pins alone",
-    ),
-    by(29, "USB of the module without VBUS", "the same"),
-    by(
-        35,
-        "the watchdog's time",
-        "hold the core by a debugger with WDGLSD1 of DBGMCU_APB4FZ1 cleared: 90 to 110 ms from there to the pulse at NRST",
-    ),
-    by(
-        36,
-        "encoders",
-        "turn an encoder by a revolution and back: four counts a line, then 0; home by its index from both sides",
-    ),
-    by(37, "SPI3", "with the image for an external DAC, a scope at SCK: 32 MHz, 8 cycles a byte"),
-    by(
-        38,
-        "the external DAC",
-        "with its image, GT_SetDac of 0, 5 and 10 V on both channels, a voltmeter at the terminals",
-    ),
-    by(39, "endpoints of USB that are set again", "`bring-up --loads --soak 60` over CN13 with the board's own image"),
-];
-
-const fn by(assumption: u8, what: &'static str, how: &'static str) -> ByHand {
-    ByHand { assumption, what, how }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    /// Each row of docs/board-assumptions.md is measured, or listed as left to do by hand; not
-    /// both, and nothing else is.
+    /// Each row of docs/board-assumptions.md is settled by a row of the page, and no other one is:
+    /// nothing is left to do without the program. One that wants a hand is asked for by it.
     #[test]
     fn no_assumption_is_left_out() {
         let page = include_str!("../../../../docs/board-assumptions.md");
         let mut should = listed(page);
         should.sort_unstable();
-        assert!(should.len() >= 27, "{should:?}");
+        assert_eq!(should, (1..=39).collect::<Vec<u8>>());
         let measured: HashSet<u8> = rows().into_iter().flat_map(|row| row.assumptions).copied().collect();
-        let by_hand: Vec<u8> = by_hand().iter().map(|row| row.assumption).collect();
-        assert_eq!(by_hand.iter().find(|number| measured.contains(number)), None, "both");
-        let mut is: Vec<u8> = measured.into_iter().chain(by_hand).collect();
+        let mut is: Vec<u8> = measured.into_iter().collect();
         is.sort_unstable();
         assert_eq!(is, should);
+        // A row that the bring-up image does not measure names the option that does.
+        for row in elsewhere() {
+            let Verdict::NotMeasured(why) = (row.judge)(&Figures::default()) else { panic!("{}", row.what) };
+            assert!(["--loads --soak", "--answers", "--hands"].iter().any(|option| why.contains(option)), "{why}");
+        }
+        assert!(!page.contains("by hand"), "every row is measured");
     }
 
     #[test]

@@ -53,6 +53,9 @@ const BIF: u32 = 1 << 7;
 /// The chip breaks: TIM1 and TIM8 have it.
 const SBIF: u32 = 1 << 13;
 
+/// Counts by which a filter of eight samples delays an input.
+const FILTER_COUNTS: Time = 8;
+
 /// What of a timer differs from the others.
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
@@ -136,6 +139,8 @@ pub struct Timer {
     levels: [[Option<bool>; 2]; 4],
     /// Levels at the inputs.
     inputs: [bool; 4],
+    /// When an encoder moved last, and the count before that.
+    moved: (Time, u32),
     /// Until when outputs that were disabled have their inactive levels.
     settles: Option<Time>,
     /// When it starts after a trigger, if it starts late.
@@ -181,6 +186,7 @@ impl Timer {
             burst_asks: 0,
             levels: [[None; 2]; 4],
             inputs: [false; 4],
+            moved: (0, 0),
             settles: None,
             starts: NEVER,
             breaks: (NEVER, false),
@@ -246,7 +252,10 @@ impl Timer {
 
     /// The levels at its inputs (RM0433 table 337, counting on both edges; filters are not
     /// modelled).
-    pub fn inputs(&mut self, levels: [bool; 4], at: Time, out: &mut Vec<Signal>) {
+    pub fn inputs(&mut self, mut levels: [bool; 4], at: Time, out: &mut Vec<Signal>) {
+        if self.quirks.swapped {
+            levels.swap(0, 1);
+        }
         let before = std::mem::replace(&mut self.inputs, levels);
         let inverted = |n: usize| self.channels[n].enables & 2 != 0;
         let [one, two] = [levels[0] != inverted(0), levels[1] != inverted(1)];
@@ -258,20 +267,26 @@ impl Timer {
         if !self.is_encoder() {
             return;
         }
+        let held = self.held;
         // A change of the first counts up where the second is at its former level, one of the
         // second where it is at the first's.
         if before[0] != self.inputs[0] {
             self.turn(if one != two { 1 } else { -1 });
         }
-        if before[1] != self.inputs[1] {
+        if before[1] != self.inputs[1] && !self.quirks.halves {
             self.turn(if one == two { 1 } else { -1 });
+        }
+        if held != self.held {
+            self.moved = (at, held);
         }
     }
 
     /// An edge at the input of a channel latches the count; one that was not read before is lost
     /// (RM0433 39.3.5). The chip takes some counts to synchronise, all channels alike.
     fn capture(&mut self, n: usize, at: Time, out: &mut Vec<Signal>) {
-        self.channels[n].preload = self.count(at);
+        let (moved, before) = self.moved;
+        let is_early = self.quirks.early_index && at < moved + FILTER_COUNTS * self.kernel;
+        self.channels[n].preload = if is_early { before } else { self.count(at) };
         self.sr |= if self.sr & 2 << n != 0 { 0x202 << n } else { 2 << n };
         if self.dier & 1 << (9 + n) != 0 {
             self.request(self.kind.requests[n], out);
@@ -302,7 +317,7 @@ impl Timer {
 
     /// The clock's guard breaks.
     pub fn lose_clock(&mut self, out: &mut Vec<Signal>, at: Time) {
-        self.brake.clock_lost = true;
+        self.brake.clock_lost = !self.quirks.no_clock_break;
         self.look_at_break(out, at);
     }
 

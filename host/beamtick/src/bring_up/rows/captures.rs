@@ -3,19 +3,31 @@
 //! The plan of `bring-up/src/light.rs`: light begins 2400 counts after a tick, in pulses of 240
 //! counts every 1200; under load two lasers have periods of 120 and 121 counts in turn, and eight
 //! axes a step every 240. A tick is 12,000 counts.
-use super::{Row, Verdict, all_of};
+use super::{Row, Verdict, all_of, peripherals};
 use crate::bring_up::lines::Figures;
 
 /// Counts of a tick of 50 µs.
-const TICK: i64 = 12_000;
+pub const TICK: i64 = 12_000;
 /// Where light begins in its tick, its period and its pulse.
 const BEGIN: i64 = 2400;
 const PERIOD: i64 = 1200;
 const PULSE: i64 = 240;
 
 /// Jumpers by their numbers (docs/bring-up.md).
-const JUMPERS: [&str; 9] =
-    ["D6–D32", "D58–D23", "D21–D36", "D61–A0", "D42–D35", "D2–D37, D60, D49, D20", "D24–A2", "D13–A4", "D0–GND"];
+pub const JUMPERS: [&str; 12] = [
+    "D6–D32",
+    "D58–D23",
+    "D21–D36",
+    "D61–A0",
+    "D42–D35",
+    "D2–D37, D60, D49, D20",
+    "D24–A2",
+    "D13–A4",
+    "D0–GND",
+    "D65–D25, D29",
+    "D64–D11, D28",
+    "D50–A3, D10",
+];
 
 pub const ROWS: &[Row] = &[
     Row {
@@ -133,7 +145,7 @@ fn place(figures: &Figures, jumper: usize) -> Option<Place> {
 }
 
 /// Why what a jumper measures is not measured, if it is not right.
-fn not_right(figures: &Figures, jumper: usize) -> Option<Verdict> {
+pub fn not_right(figures: &Figures, jumper: usize) -> Option<Verdict> {
     match place(figures, jumper) {
         Some(Place::Right) => None,
         Some(Place::Wrong(how)) => Some(Verdict::NotMeasured(format!("{how}, not at {}", ENDS[jumper - 1]))),
@@ -142,7 +154,7 @@ fn not_right(figures: &Figures, jumper: usize) -> Option<Verdict> {
 }
 
 /// Why a line has no edges: without the jumper nobody knows.
-fn no_edges(figures: &Figures, name: &str, jumper: usize) -> Verdict {
+pub fn no_edges(figures: &Figures, name: &str, jumper: usize) -> Verdict {
     let is_closed = figures.each::<4>("break").is_some_and(|lines| lines.iter().any(|[_, level, ..]| *level == 0));
     if figures.all(name).is_empty() {
         Verdict::missing(name)
@@ -190,11 +202,14 @@ fn jumpers(figures: &Figures) -> Verdict {
     }
     let missing = (1..).zip(&places).filter(|(_, place)| **place == Place::Missing).map(|(number, _)| number);
     let is_low = figures.only::<10>("low-supply").is_some_and(|[is_low, ..]| is_low == 1);
-    let rest = (7..=8).filter(|number| !has_loop(figures, *number)).chain((!is_low).then_some(9));
+    let rest = (7..=8)
+        .filter(|number| !has_loop(figures, *number))
+        .chain((!is_low).then_some(9))
+        .chain(peripherals::missing_jumpers(figures));
     let missing: Vec<usize> = missing.chain(rest).collect();
     let named = |number: &usize| format!("{number} ({})", JUMPERS.get(number - 1).copied().unwrap_or("unknown"));
     Verdict::Figure(match missing.as_slice() {
-        [] => "all nine".to_owned(),
+        [] => "all twelve".to_owned(),
         missing => format!("missing: {}", missing.iter().map(named).collect::<Vec<_>>().join(", ")),
     })
 }

@@ -1,0 +1,136 @@
+//! What wants a hand: the program says what to do, waits, and judges.
+//!
+//! In: [`Hands`]. Out: the rows of the page that this settles. Owns nothing. Fails: a board that
+//! does not answer before the hand has done anything, an answer that is no number; a row that
+//! failed.
+use super::lines::Figures;
+use super::{measure, page};
+use crate::Failure;
+use crate::command_line::ByHand;
+use client::{Client, Link, Options};
+use protocol::command::{GetClock, GetFault, SetDac, Short};
+use std::io::BufRead;
+use std::path::Path;
+use std::time::Instant;
+
+/// Somebody at the board.
+pub trait Hands {
+    /// The link, opened anew: a cable may have been out.
+    fn link(&mut self) -> Result<Box<dyn Link>, Failure>;
+    /// Says what to do, and returns the line that is typed once it is done.
+    fn ask(&mut self, what: &str) -> Result<String, Failure>;
+    /// Time, in ms from anywhere.
+    fn now_ms(&mut self) -> i64;
+}
+
+/// A person at a terminal.
+pub struct Terminal<'a> {
+    link: &'a str,
+    since: Instant,
+}
+
+impl<'a> Terminal<'a> {
+    /// At the board of this link.
+    pub fn at(link: &'a str) -> Terminal<'a> {
+        Terminal { link, since: Instant::now() }
+    }
+}
+
+impl Hands for Terminal<'_> {
+    fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
+        Ok(client::link::open(self.link)?)
+    }
+
+    fn ask(&mut self, what: &str) -> Result<String, Failure> {
+        complain!("{what}");
+        let mut line = String::new();
+        match std::io::stdin().lock().read_line(&mut line) {
+            Ok(0) => Err(Failure::Input("--hands: the standard input has ended".to_owned())),
+            Ok(_) => Ok(line.trim().to_owned()),
+            Err(error) => Err(Failure::Input(format!("--hands: the standard input cannot be read: {error}"))),
+        }
+    }
+
+    fn now_ms(&mut self) -> i64 {
+        self.since.elapsed().as_millis() as i64
+    }
+}
+
+/// See the module text.
+pub fn with(hands: &mut dyn Hands, what: ByHand, page: Option<&Path>) -> Result<(), Failure> {
+    page::settle(page, || match what {
+        ByHand::Halt => through(
+            hands,
+            "halt",
+            "Halt the core with a debugger for two seconds and let it go on: `probe-rs debug --chip STM32H743ZITx`, `halt`, \
+             wait, `run`, `quit`. Then press Enter.",
+        ),
+        ByHand::Unplug => through(
+            hands,
+            "unplug",
+            "Supply the board by VIN (JP2). Unplug CN1 now, wait for a minute, plug it in again. Then press Enter.",
+        ),
+        ByHand::Clock => clock(hands),
+        ByHand::Dac => dac(hands),
+    })
+}
+
+/// The board's time in ms, and the kind of its fault.
+fn state(hands: &mut dyn Hands) -> Result<(i64, i64), Failure> {
+    let client = Client::open(hands.link()?, Options::default())?;
+    let clock = client.call(GetClock {})?.clock_ms.get();
+    let (fault, _) = client.call_items(GetFault {}, &[])?;
+    Ok((clock.into(), fault.kind.into()))
+}
+
+/// How much of the time in which a hand does something passes on the board: a negative number where
+/// it was reset.
+fn through(hands: &mut dyn Hands, name: &str, what: &str) -> Result<Figures, Failure> {
+    let (before, _) = state(hands)?;
+    let began = hands.now_ms();
+    hands.ask(what)?;
+    let (after, fault) = state(hands)?;
+    let passed = hands.now_ms() - began;
+    let mut figures = Figures::default();
+    figures.add(name, vec![passed, after - before, fault]);
+    Ok(figures)
+}
+
+/// The bring-up image lights both lasers until the clock stops, and says what its NMI found.
+fn clock(hands: &mut dyn Hands) -> Result<Figures, Failure> {
+    let lit = measure(&mut *hands.link()?, b"lit\n")?;
+    if lit.only::<3>("lit") != Some([1; 3]) {
+        return Err(Failure::Job("there is no light: jumper 6 (docs/bring-up.md) is missing".to_owned()));
+    }
+    hands.ask(
+        "Both lasers are lit. Hold the ST-LINK in reset for a second (its NRST, T_NRST, to GND), the board supplied by VIN (JP2). \
+         Then press Enter.",
+    )?;
+    measure(&mut *hands.link()?, b"why\n")
+}
+
+/// Voltages of both outputs, by a meter.
+fn dac(hands: &mut dyn Hands) -> Result<Figures, Failure> {
+    let client = Client::open(hands.link()?, Options::default())?;
+    if !client.board().contains("dac8563") {
+        return Err(Failure::Job(format!("board {} has no external DAC", client.board())));
+    }
+    let set = |output: i16, volts: i64| {
+        let code = Short { value: ((volts * 32_767 / 10) as i16).into() };
+        client.call_items(SetDac { core: 1.into(), dac: output.into(), count: 1.into() }, &[code])
+    };
+    let mut figures = Figures::default();
+    for output in 1..=2i16 {
+        for volts in [0, 5, 10] {
+            set(output, volts)?;
+            let said = hands.ask(&format!("Measure analog output {output}. How many volts?"))?;
+            let Ok(is) = said.trim_end_matches(['V', 'v', ' ']).replace(',', ".").parse::<f64>() else {
+                set(output, 0)?;
+                return Err(Failure::Input(format!("--hands: {said} is no voltage")));
+            };
+            figures.add("dac", vec![output.into(), volts * 1000, (is * 1e3).round() as i64]);
+        }
+        set(output, 0)?;
+    }
+    Ok(figures)
+}

@@ -1,0 +1,193 @@
+//! Rows that another run measures than that of the bring-up image: with the board's own image, or
+//! with a hand. Before it each says which option does.
+use super::{Row, Verdict, all_of};
+use crate::bring_up::lines::Figures;
+
+pub const ROWS: &[Row] = &[
+    Row {
+        what: "the link's stream beside all others",
+        assumptions: &[16],
+        judge: stream,
+        remedy: "compare TRBUFF of DMA1_S2CR with 15.5.5 and ES0392 2.8; if it is set, give the link a stream of DMA2, `open` in uart.rs",
+    },
+    Row {
+        what: "USB of the Nucleo answers",
+        assumptions: &[27],
+        judge: nucleo,
+        remedy: "no device at CN13: compare GCCFG.PWRDWN and VBDEN, GUSBCFG.PHYSEL and FDMOD with 57, `open` in usb.rs",
+    },
+    Row {
+        what: "the module's crystal starts",
+        assumptions: &[28],
+        judge: crystal,
+        remedy: "compare RCC_CR.HSEBYP with 8.5.1, the crystal's load with AN2867; `Source` in boards/h743vi_module",
+    },
+    Row {
+        what: "USB of the module answers without VBUS",
+        assumptions: &[29],
+        judge: module,
+        remedy: "compare GOTGCTL.BVALOEN and BVALOVAL with 57, `open` in usb.rs; or lead the connector's 5 V to PA9",
+    },
+    Row {
+        what: "endpoints of USB that are set again",
+        assumptions: &[39],
+        judge: endpoints,
+        remedy: "set DOEPCTL.EPENA only after OUT_DONE of the packet before: `read` in usb.rs",
+    },
+    Row {
+        what: "the watchdog while a debugger halts the core",
+        assumptions: &[8],
+        judge: halt,
+        remedy: "a debugger's halt resets the board: compare WDGLSD1 of DBGMCU_APB4FZ1 with 60.5.8, `freeze_watchdog_in_debug` in \
+            clocks.rs",
+    },
+    Row {
+        what: "the ST-LINK's clock without a host",
+        assumptions: &[26],
+        judge: unplug,
+        remedy: "the board needs its host's cable: say so in docs/board-h743.md, or fit X3 and its solder bridges (UM2407)",
+    },
+    Row {
+        what: "the clock's guard breaks the timers",
+        assumptions: &[33],
+        judge: clock,
+        remedy: "light would go on for two ticks when the ST-LINK stops: clear MOE first in the NMI's handler, and say so in \
+            docs/safety.md",
+    },
+    Row {
+        what: "voltages of an external DAC",
+        assumptions: &[38],
+        judge: dac,
+        remedy: "halve SCK (SPI_CFG1.MBR in spi.rs), or raise `BETWEEN_NS` in hal/src/dac8563.rs; then the stages behind the DAC",
+    },
+];
+
+/// What measures a row that has no figure.
+fn option(words: &str, with: &str) -> Verdict {
+    Verdict::NotMeasured(format!("`bring-up {words}` does, with {with}"))
+}
+
+const OWN: &str = "the board's own image";
+
+/// A run that is shorter, in s, proves nothing: the errata name no condition.
+const PROVES_S: i64 = 600;
+
+/// What a link did: over a UART or over USB, as is asked.
+fn soak(figures: &Figures, by_usb: i64, with: &str) -> Verdict {
+    let lines = figures.each::<4>("soak").unwrap_or_default();
+    let Some([seconds, calls, lost, _]) = lines.into_iter().find(|[.., is_usb]| *is_usb == by_usb) else {
+        return option("--loads --soak 60", with);
+    };
+    let figure = format!("{seconds} s, {calls} calls, {lost} frames lost or damaged");
+    match lost {
+        0 if seconds < PROVES_S => Verdict::Figure(format!("{figure}: less than {PROVES_S} s prove nothing")),
+        lost => Verdict::of(lost == 0, figure),
+    }
+}
+
+fn stream(figures: &Figures) -> Verdict {
+    soak(figures, 0, OWN)
+}
+
+fn endpoints(figures: &Figures) -> Verdict {
+    soak(figures, 1, "the board's own image, over CN13")
+}
+
+/// Of the line `answers` for this board: whether it was over USB, and calls that were answered.
+fn answers(figures: &Figures, board: i64) -> Option<(bool, i64)> {
+    let [of, is_usb, calls] = figures.only("answers")?;
+    (of == board).then_some((is_usb == 1, calls))
+}
+
+fn answered(calls: i64) -> Verdict {
+    Verdict::of(calls > 0, if calls > 0 { format!("{calls} calls answered") } else { "no answer".to_owned() })
+}
+
+fn nucleo(figures: &Figures) -> Verdict {
+    match answers(figures, 0) {
+        Some((true, calls)) => answered(calls),
+        _ => option("--answers nucleo", "its own image, over CN13"),
+    }
+}
+
+fn crystal(figures: &Figures) -> Verdict {
+    match answers(figures, 1) {
+        // Its USB may be what is silent.
+        Some((true, 0)) => {
+            Verdict::NotMeasured("no answer over USB: `bring-up --answers module` over the UART tells".into())
+        }
+        Some((_, calls)) => answered(calls),
+        None => option("--answers module", "the module's own image"),
+    }
+}
+
+fn module(figures: &Figures) -> Verdict {
+    match answers(figures, 1) {
+        Some((true, calls)) => answered(calls),
+        _ => option("--answers module", "the module's own image, over its USB"),
+    }
+}
+
+/// The watchdog has ended the run before (GetFault).
+const BY_WATCHDOG: i64 = 4;
+/// For so long the core stands at least, in ms.
+const STANDS_MS: i64 = 500;
+
+fn halt(figures: &Figures) -> Verdict {
+    let Some([passed, advanced, fault]) = figures.only("halt") else { return option("--hands halt", OWN) };
+    if advanced < 0 || fault == BY_WATCHDOG {
+        return Verdict::Fail("the chip was reset".to_owned());
+    }
+    if passed - advanced < STANDS_MS {
+        return Verdict::NotMeasured(format!(
+            "the core did not stand: `bring-up --hands halt` saw it go on for {advanced} ms"
+        ));
+    }
+    Verdict::Pass(format!("it stood for {:.1} s and went on", (passed - advanced) as f64 / 1e3))
+}
+
+/// For so long the cable is out at least, in ms.
+const UNPLUGGED_MS: i64 = 10_000;
+
+fn unplug(figures: &Figures) -> Verdict {
+    let Some([passed, advanced, fault]) = figures.only("unplug") else { return option("--hands unplug", OWN) };
+    if advanced < 0 {
+        return Verdict::Fail("the board was reset or had no supply".to_owned());
+    }
+    if fault != 0 {
+        return Verdict::Fail(format!("fault {fault}: `beamtick info` names it"));
+    }
+    if passed < UNPLUGGED_MS {
+        return Verdict::NotMeasured(format!(
+            "`bring-up --hands unplug` took {passed} ms only: leave the cable out for a minute"
+        ));
+    }
+    // The host's clock and the delays of two calls.
+    let off = advanced - passed;
+    Verdict::of(off.abs() <= 1000 + passed / 100, format!("the board's clock went on for {advanced} ms of {passed}"))
+}
+
+fn clock(figures: &Figures) -> Verdict {
+    let Some([lit @ .., one, fifteen, eight]) = figures.only::<6>("clock-lost") else {
+        return option("--hands clock", "the bring-up image and jumper 6");
+    };
+    if lit != [1; 3] {
+        return Verdict::NotMeasured("there was no light: `bring-up --hands clock` wants jumper 6".to_owned());
+    }
+    let figure = format!("MOE of TIM1 {one}, TIM15 {fifteen}, TIM8 {eight} in the first instructions after it");
+    Verdict::of([one, fifteen, eight] == [0; 3], figure)
+}
+
+/// A voltage may be off by so much, in mV: 1 % of 10 V, of the DAC's stage and the meter.
+const OFF_MV: i64 = 100;
+
+fn dac(figures: &Figures) -> Verdict {
+    let Some(lines) = figures.each::<3>("dac") else {
+        return option("--hands dac", "the image for an external DAC");
+    };
+    let volts = |mv: i64| mv as f64 / 1e3;
+    let wrong = lines.iter().filter(|[_, set, is]| (set - is).abs() > OFF_MV);
+    let wrong =
+        wrong.map(|[output, set, is]| format!("output {output}: {} V for {} V", volts(*is), volts(*set))).collect();
+    all_of(wrong, &format!("{} voltages within {OFF_MV} mV", lines.len()))
+}

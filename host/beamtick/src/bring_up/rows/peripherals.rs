@@ -1,0 +1,160 @@
+//! Rows of what a locked-up core leaves to the chip, of encoders, and of SPI3.
+//!
+//! The plans of `bring-up/src/lock_up.rs`, `turns.rs` and `spi3.rs`: light has an edge every 1200
+//! counts of 240 MHz, encoders turn by ten lines and back, bytes are 8 bits of 32 MHz.
+use super::captures::{self, JUMPERS, TICK};
+use super::{Row, Verdict, all_of};
+use crate::bring_up::lines::Figures;
+
+pub const ROWS: &[Row] = &[
+    Row {
+        what: "the watchdog's time",
+        assumptions: &[35],
+        judge: watchdog,
+        remedy: "LSI or the divider is another one: compare PR, RLR and SR of IWDG1 with 44.4, set BITES_AFTER_MS in watchdog.rs \
+            and the times in docs/safety.md",
+    },
+    Row {
+        what: "a locked-up core ends light",
+        assumptions: &[5],
+        judge: lock_up,
+        remedy: "light lasts until what is queued is over: compare SYSCFG_CFGR.CM7L with 12.3.5, `BREAKS` in clocks.rs, and say so in \
+            docs/safety.md",
+    },
+    Row {
+        what: "encoders count four a line, to and fro",
+        assumptions: &[36],
+        judge: counts,
+        remedy: "compare SMCR.SMS, CCMR1 and the pins' alternate functions with 39.3.19, `open` in encoders.rs",
+    },
+    Row {
+        what: "an index is latched at the delay of A and B",
+        assumptions: &[36],
+        judge: index,
+        remedy: "homes differ by a count by direction: give the index the filter of A and B (ICxF, 39.3.5), `open` in encoders.rs",
+    },
+    Row {
+        what: "a byte of SPI3",
+        assumptions: &[37],
+        judge: spi3,
+        remedy: "the external DAC would get another clock: compare RCC_D2CCIP1R.SPI123SEL and CKPERSEL with 8.7.19, SPI_CFG1.MBR and \
+            CFG2 with 50.11, `open` in spi.rs",
+    },
+];
+
+/// The watchdog counts 800 cycles of LSI / 4. LSI is within these limits over all temperatures, in
+/// kHz (DS12110).
+const LSI_KHZ: std::ops::RangeInclusive<f64> = 29.76..=33.6;
+/// The last mark is up to a tick before the reset, and the feeding takes some cycles of LSI.
+const SLACK_MS: f64 = 0.3;
+
+fn watchdog(figures: &Figures) -> Verdict {
+    let Some([counts]) = figures.only("watchdog") else { return Verdict::missing("watchdog") };
+    let ms = counts as f64 / 240e3;
+    let (least, most) = (3200.0 / LSI_KHZ.end() - SLACK_MS, 3200.0 / LSI_KHZ.start() + SLACK_MS);
+    let holds = (least..=most).contains(&ms);
+    Verdict::of(holds, format!("{ms:.1} ms, of {least:.1} to {most:.1}: LSI {:.1} kHz", 3200.0 / ms.max(0.1)))
+}
+
+/// In this time after the lock-up it is dark, in counts: the next edge of light is later.
+const DARK_COUNTS: i64 = 240;
+
+fn lock_up(figures: &Figures) -> Verdict {
+    let (mut wrong, mut good, mut missing) = (Vec::new(), Vec::new(), Vec::new());
+    for (name, laser, jumper) in [("lock-up-0", 0, 1), ("lock-up-1", 1, 2)] {
+        let [numbers] = figures.all(name) else { return Verdict::missing(name) };
+        let [at, before, edges @ ..] = numbers.as_slice() else { return Verdict::missing(name) };
+        if *before == 0 || captures::not_right(figures, jumper).is_some() {
+            match captures::no_edges(figures, name, jumper) {
+                Verdict::Fail(how) => wrong.push(format!("laser {laser}: {how}")),
+                verdict => missing.push(verdict),
+            }
+            continue;
+        }
+        match edges.get(*before as usize..).unwrap_or_default() {
+            [] => wrong.push(format!("laser {laser}: stays lit")),
+            [edge] if (edge - at).rem_euclid(TICK) <= DARK_COUNTS => {
+                good.push(format!("laser {laser} dark {} counts after it", (edge - at).rem_euclid(TICK)));
+            }
+            more => wrong.push(format!("laser {laser}: {} edges after it", more.len())),
+        }
+    }
+    match missing.into_iter().next() {
+        Some(verdict) if good.is_empty() && wrong.is_empty() => verdict,
+        _ => all_of(wrong, &good.join(", ")),
+    }
+}
+
+/// Jumpers of A, B and the index.
+const ENCODER_JUMPERS: [usize; 3] = [10, 11, 12];
+
+/// Those of the three that do not end where they should: both timers' ends must follow.
+pub fn missing_jumpers(figures: &Figures) -> Vec<usize> {
+    let lines = figures.each::<4>("encoder").unwrap_or_default();
+    let is_there = |n: usize| !lines.is_empty() && lines.iter().all(|[_, follow, ..]| follow >> n & 1 == 1);
+    ENCODER_JUMPERS.into_iter().enumerate().filter(|(n, _)| !is_there(*n)).map(|(_, jumper)| jumper).collect()
+}
+
+/// Each timer whose ends of this mask follow, by `judge`, which gives what is wrong and the figure.
+fn of_timers<const N: usize>(
+    figures: &Figures,
+    name: &str,
+    mask: i64,
+    judge: impl Fn([i64; N]) -> (bool, String),
+) -> Verdict {
+    let (Some(ends), Some(lines)) = (figures.each::<4>("encoder"), figures.each::<N>(name)) else {
+        return Verdict::missing(name);
+    };
+    let (mut wrong, mut good) = (Vec::new(), Vec::new());
+    for ([_, follow, ..], line) in ends.into_iter().zip(lines) {
+        if follow & mask == mask {
+            let (holds, figure) = judge(line);
+            if holds { good.push(figure) } else { wrong.push(figure) }
+        }
+    }
+    if good.is_empty() && wrong.is_empty() {
+        let jumpers = ENCODER_JUMPERS.into_iter().enumerate().filter(|(n, _)| mask >> n & 1 == 1);
+        let named: Vec<String> = jumpers.map(|(_, jumper)| format!("{jumper} ({})", JUMPERS[jumper - 1])).collect();
+        return Verdict::NotMeasured(format!("one of jumpers {} is missing", named.join(", ")));
+    }
+    all_of(wrong, &good.join("; "))
+}
+
+fn counts(figures: &Figures) -> Verdict {
+    of_timers(figures, "encoder", 0b011, |[timer, _, forward, back]| {
+        ((forward, back) == (40, -40), format!("TIM{timer} {forward}, then {back}, of 40 and -40"))
+    })
+}
+
+fn index(figures: &Figures) -> Verdict {
+    of_timers(figures, "index", 0b111, |[timer, standing, before, after, back_before, back_after]| {
+        let is = [standing, before, after, back_before, back_after];
+        let named = is.map(|count| if count == 9999 { "none".to_owned() } else { count.to_string() });
+        let [standing, before, after, back_before, back_after] = named;
+        let holds = is == [0, 0, 1, 0, -1];
+        (
+            holds,
+            format!(
+                "TIM{timer} {standing} at standstill, {before} before and {after} after an edge, back {back_before} and {back_after}"
+            ),
+        )
+    })
+}
+
+/// Cycles of the core in a byte: 8 bits of 32 MHz.
+const BYTE_CYCLES: f64 = 120.0;
+
+fn spi3(figures: &Figures) -> Verdict {
+    let Some([one, nine, phase, polarity]) = figures.only("spi3") else { return Verdict::missing("spi3") };
+    if one == 0 || nine == 0 {
+        return Verdict::Fail("RXP does not come".to_owned());
+    }
+    let byte = (nine - one) as f64 / 8.0;
+    // The HSI is off by 1 %, and DWT is read between two looks at a flag.
+    let is_timed = (byte / BYTE_CYCLES - 1.0).abs() <= 0.1 && (BYTE_CYCLES..4.0 * BYTE_CYCLES).contains(&(one as f64));
+    let holds = is_timed && (phase, polarity) == (1, 0);
+    Verdict::of(
+        holds,
+        format!("{byte:.0} cycles, of {BYTE_CYCLES}; the first comes after {one}; CPHA {phase}, CPOL {polarity}"),
+    )
+}

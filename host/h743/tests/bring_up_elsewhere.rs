@@ -1,0 +1,236 @@
+//! Rows of the bring-up page that the boards' own images measure, or a hand: each passes, and each
+//! planted wrong fact fails in its row. The images that BEAMTICK_H743_IMAGE, BEAMTICK_H743VI_IMAGE,
+//! BEAMTICK_H743_DAC_IMAGE and BEAMTICK_H743_BRING_UP name; the hands are scripts.
+use beamtick::{Failure, Hands, bring_up_by_hand, bring_up_over};
+use client::Link;
+use h743::board::{Board, MODULE, NUCLEO};
+use h743::dac8563::{MID_SCALE, shown_up_to};
+use h743::facts::Wrong;
+use h743::link::{EmulatedLink, Shared, lock};
+use h743::{MILLISECOND, Machine, Pin};
+use std::sync::{Arc, Mutex};
+
+/// Jumper 6, and the ends of jumpers that loads use.
+const INTERLOCK: [&str; 4] = ["PE15", "PE3", "PG2", "PA15"];
+
+fn pin(name: &str) -> Pin {
+    Pin::named(name).unwrap()
+}
+
+/// A board with the image that a variable names, which has started, with this wrong fact from
+/// before its first instruction; `None` without an image.
+fn started(variable: &str, on: Board, wrong: Option<Wrong>) -> Option<Shared> {
+    let Some(path) = std::env::var_os(variable) else {
+        println!("skipped: {variable} names no image");
+        return None;
+    };
+    let mut machine = Machine::on(on).unwrap();
+    machine.boot(&std::fs::read(path).unwrap()).unwrap();
+    machine.chip.bus.jumpers = INTERLOCK.map(|end| (pin("PG14"), pin(end))).to_vec();
+    wrong.into_iter().for_each(|wrong| machine.plant(wrong));
+    machine.run(20 * MILLISECOND);
+    Some(Arc::new(Mutex::new(machine)))
+}
+
+/// The cable of USB is in; its host has found a port, or none comes.
+fn plugged(board: &Shared) {
+    let mut machine = lock(board);
+    machine.plug_usb(true);
+    for _ in 0..200 {
+        if machine.chip.bus.usb.host.is_open {
+            break;
+        }
+        machine.run(MILLISECOND);
+    }
+}
+
+/// What is done to the board at a prompt, and what is typed then.
+struct Script<F> {
+    board: Shared,
+    does: F,
+}
+
+impl<F: FnMut(&mut Machine, &str) -> String> Hands for Script<F> {
+    fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
+        Ok(Box::new(EmulatedLink::new(self.board.clone())))
+    }
+    fn ask(&mut self, what: &str) -> Result<String, Failure> {
+        Ok((self.does)(&mut lock(&self.board), what))
+    }
+    fn now_ms(&mut self) -> i64 {
+        (lock(&self.board).chip.now / MILLISECOND) as i64
+    }
+}
+
+/// Result and figure of a row of the page that this writes, and whether it gives advice for it.
+fn row_of(what: &str, run: impl FnOnce(&str) -> Result<(), Failure>) -> (String, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("page.md");
+    let outcome = run(path.to_str().unwrap());
+    let page = std::fs::read_to_string(&path).unwrap_or_default();
+    let line = page.lines().find(|line| line.starts_with(&format!("| {what} | ")));
+    let Some(line) = line else { panic!("no row {what}: {outcome:?}\n{page}") };
+    let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+    let has_failed = cells[2] == "**FAIL**";
+    assert_eq!(matches!(&outcome, Err(Failure::Job(_))), page.contains(" | **FAIL** | "), "{outcome:?}\n{page}");
+    assert_eq!(page.contains(&format!("- {what}: ")), has_failed, "advice\n{page}");
+    // The counts follow.
+    let table = page.split("\n## ").next().unwrap();
+    let [passed, failed] = [" | pass | ", " | **FAIL** | "].map(|result| table.matches(result).count());
+    assert!(page.contains(&format!("\n{passed} rows passed, {failed} failed, ")), "{page}");
+    println!("{line}");
+    (cells[2].to_owned(), cells[3].to_owned())
+}
+
+fn by_hand(board: &Shared, what: &str, row: &str, does: impl FnMut(&mut Machine, &str) -> String) -> (String, String) {
+    let mut hands = Script { board: board.clone(), does };
+    row_of(row, |page| bring_up_by_hand(&mut hands, &["--hands", what, "--page", page]))
+}
+
+#[test]
+fn a_debuggers_halt_is_judged_by_the_boards_clock() {
+    const ROW: &str = "the watchdog while a debugger halts the core";
+    for (wrong, halted, result) in
+        [(None, true, "pass"), (None, false, "not measured"), (Some(Wrong::NotFrozen), true, "**FAIL**")]
+    {
+        let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, wrong) else { return };
+        let (is, figure) = by_hand(&board, "halt", ROW, |machine, prompt| {
+            assert!(prompt.contains("Halt the core") && prompt.contains("press Enter"), "{prompt}");
+            if halted {
+                machine.halt(2000 * MILLISECOND)
+            } else {
+                machine.run(10 * MILLISECOND);
+            }
+            String::new()
+        });
+        assert_eq!(is, result, "{wrong:?}: {figure}");
+        let said = if wrong.is_some() { "the chip was reset" } else { figure.as_str() };
+        assert_eq!(figure, said);
+    }
+}
+
+#[test]
+fn a_cable_that_is_unplugged_is_judged_by_the_boards_clock_and_fault() {
+    const ROW: &str = "the ST-LINK's clock without a host";
+    for (seconds, stops, result) in [(11, false, "pass"), (1, false, "not measured"), (1, true, "**FAIL**")] {
+        let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, None) else { return };
+        let (is, figure) = by_hand(&board, "unplug", ROW, |machine, prompt| {
+            assert!(prompt.contains("Unplug CN1 now"), "{prompt}");
+            machine.give_clock(!stops);
+            for _ in 0..seconds {
+                machine.run(1000 * MILLISECOND);
+            }
+            machine.give_clock(true);
+            machine.run(20 * MILLISECOND);
+            String::new()
+        });
+        assert_eq!(is, result, "{figure}");
+    }
+}
+
+#[test]
+fn the_clocks_guard_is_judged_by_the_first_instructions_after_it() {
+    const ROW: &str = "the clock's guard breaks the timers";
+    for (wrong, result, figure) in [
+        (None, "pass", "MOE of TIM1 0, TIM15 0, TIM8 0 in the first instructions after it"),
+        (Some(Wrong::NoClockBreak), "**FAIL**", "MOE of TIM1 1, TIM15 1, TIM8 1 in the first instructions after it"),
+    ] {
+        let Some(board) = started("BEAMTICK_H743_BRING_UP", NUCLEO, wrong) else { return };
+        let row = by_hand(&board, "clock", ROW, |machine, prompt| {
+            assert!(prompt.contains("Hold the ST-LINK in reset"), "{prompt}");
+            machine.give_clock(false);
+            machine.run(10 * MILLISECOND);
+            machine.give_clock(true);
+            machine.run(20 * MILLISECOND);
+            String::new()
+        });
+        assert_eq!(row, (result.to_owned(), figure.to_owned()));
+        assert_eq!(lock(&board).chip.bus.complaints, Vec::<String>::new());
+    }
+}
+
+/// A part for 20 MHz takes no frame of 32 MHz.
+#[test]
+fn voltages_of_an_external_dac_are_typed_and_judged() {
+    const ROW: &str = "voltages of an external DAC";
+    for (mhz, result, figure) in [
+        (50, "pass", "6 voltages within 100 mV"),
+        (
+            20,
+            "**FAIL**",
+            "output 1: 0 V for 5 V; output 1: 0 V for 10 V; output 2: 0 V for 5 V; output 2: 0 V for 10 V",
+        ),
+    ] {
+        let Some(board) = started("BEAMTICK_H743_DAC_IMAGE", NUCLEO, None) else { return };
+        let row = by_hand(&board, "dac", ROW, |machine, prompt| {
+            machine.run(5 * MILLISECOND);
+            let of = usize::from(prompt.contains("output 2"));
+            let shown = shown_up_to(&machine.chip, pin("PC11"), mhz);
+            let code = shown.iter().rev().find(|(_, output, _)| *output == of).map_or(MID_SCALE, |(.., code)| *code);
+            format!("{:.2} V", (f64::from(code) - f64::from(MID_SCALE)) / 3276.7)
+        });
+        assert_eq!(row, (result.to_owned(), figure.to_owned()));
+    }
+}
+
+/// `--answers` of this board over USB, or over its UART.
+fn answers(board: &Shared, of: &str, usb: bool, row: &str) -> (String, String) {
+    let link = if usb { EmulatedLink::over_usb(board.clone()) } else { EmulatedLink::new(board.clone()) };
+    row_of(row, |page| bring_up_over(Box::new(link), &["--answers", of, "--page", page]))
+}
+
+#[test]
+fn a_board_that_answers_settles_its_rows_and_a_silent_one_fails_them() {
+    let answered = || ("pass".to_owned(), "100 calls answered".to_owned());
+    let silent = || ("**FAIL**".to_owned(), "no answer".to_owned());
+    const NUCLEO_ROW: &str = "USB of the Nucleo answers";
+    const CRYSTAL: &str = "the module's crystal starts";
+    const SESSION: &str = "USB of the module answers without VBUS";
+    for (variable, on, name, usb, row, wrong) in [
+        ("BEAMTICK_H743_IMAGE", NUCLEO, "nucleo", true, NUCLEO_ROW, Wrong::NoDevice),
+        ("BEAMTICK_H743VI_IMAGE", MODULE, "module", false, CRYSTAL, Wrong::NoSource),
+        ("BEAMTICK_H743VI_IMAGE", MODULE, "module", true, SESSION, Wrong::NoSession),
+    ] {
+        for (wrong, expected) in [(None, answered()), (Some(wrong), silent())] {
+            let Some(board) = started(variable, on, wrong) else { return };
+            if usb {
+                plugged(&board);
+            }
+            assert_eq!(answers(&board, name, usb, row), expected, "{wrong:?}");
+        }
+    }
+    // Over its USB a silent module may have a crystal.
+    let Some(board) = started("BEAMTICK_H743VI_IMAGE", MODULE, Some(Wrong::NoSession)) else { return };
+    plugged(&board);
+    assert_eq!(answers(&board, "module", true, CRYSTAL).0, "not measured");
+    // The ST-LINK's port is not CN13's, and a Nucleo is no module.
+    let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, None) else { return };
+    for (name, why) in [("nucleo", "is not CN13's"), ("module", "this board is nucleo-h743zi2")] {
+        let outcome = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &["--answers", name]);
+        let Err(Failure::Input(text)) = outcome else { panic!("{outcome:?}") };
+        assert!(text.contains(why), "{text}");
+    }
+}
+
+/// Frames that a link loses under load fail the row of that link; a short run without any proves
+/// nothing.
+#[test]
+fn a_link_that_loses_frames_under_load_fails_its_row() {
+    const STREAM: &str = "the link's stream beside all others";
+    const ENDPOINTS: &str = "endpoints of USB that are set again";
+    for (usb, row, wrong, result) in [
+        (false, STREAM, None, "figure"),
+        (false, STREAM, Some(Wrong::SpoiltBytes), "**FAIL**"),
+        (true, ENDPOINTS, Some(Wrong::SpoiltPackets), "**FAIL**"),
+    ] {
+        let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, wrong) else { return };
+        if usb {
+            plugged(&board);
+        }
+        let link = if usb { EmulatedLink::over_usb(board.clone()) } else { EmulatedLink::new(board.clone()) };
+        let (is, figure) =
+            row_of(row, |page| bring_up_over(Box::new(link), &["--loads", "--soak", "1s", "--page", page]));
+        assert_eq!(is, result, "{wrong:?}: {figure}");
+        assert!(figure.starts_with("1 s, "), "{figure}");
+    }
+}
