@@ -127,6 +127,10 @@ fn h743() -> (Count, Outcome) {
     let built = || {
         Ok((
             image::build_bin("beamtick-probes-h743", "h743-core")?,
+            [
+                ("BEAMTICK_H743_DOUBLES", image::build_bin("beamtick-probes-h743", "h743-doubles")?),
+                ("BEAMTICK_MPS2_DOUBLES", image::build_bin("beamtick-probes", "doubles")?),
+            ],
             board::build_bring_up()?,
             board::MODULE_DAC.build()?,
             board::MODULE.build()?,
@@ -135,10 +139,10 @@ fn h743() -> (Count, Outcome) {
         ))
     };
     match ready.and_then(|()| built()) {
-        Ok((probe, bring_up, module_for_dac, module, for_dac, image)) => {
+        Ok((probe, doubles, bring_up, module_for_dac, module, for_dac, image)) => {
             let mut command = cargo();
             command.args(["test", "--no-fail-fast", "--package", EMULATION]);
-            command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_DAC_IMAGE", &for_dac);
+            command.env("BEAMTICK_H743_PROBE", probe).envs(doubles).env("BEAMTICK_H743_DAC_IMAGE", &for_dac);
             command.env("BEAMTICK_H743_BRING_UP", bring_up).env("BEAMTICK_H743VI_DAC_IMAGE", &module_for_dac);
             command.env("BEAMTICK_H743VI_IMAGE", &module).env("BEAMTICK_H743_IMAGE", &image);
             // The boards' tests again, with the images for an external DAC.
