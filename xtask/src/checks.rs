@@ -192,6 +192,8 @@ fn emulated() -> (Count, Outcome) {
                 "--test",
                 "emulated_faults",
                 "--test",
+                "emulated_inputs",
+                "--test",
                 "emulated_signals",
             ]);
             tests(cargo().args(words).env("BEAMTICK_IMAGE", image))
