@@ -2,7 +2,7 @@
 //! asymmetric S-curve of FollowEx.
 //!
 //! In: what users give. Out: entries and table points in the tick's units.
-pub(crate) mod asymmetric_s;
+pub mod asymmetric_s;
 pub mod geometry;
 pub mod look_ahead;
 pub(crate) mod path_queue;

@@ -6,6 +6,7 @@ use crate::setup::{self, compiler};
 use crate::shell::{self, Outcome, cargo, line, target};
 use crate::{board, comments, image, lines, mutants, pages, probes, proofs, supply, ticks, traces};
 use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -14,6 +15,9 @@ const CHIP: [&str; 4] = ["beamtick-firmware", "beamtick-hal", "beamtick-probes",
 
 /// Needs the emulator's library to link, which has a step of its own.
 const EMULATION: &str = "beamtick-h743";
+
+/// Its tests that the images for an external DAC pass too.
+const FOR_DACS: [&str; 8] = ["facts", "image", "inputs", "light", "restarts", "second_board", "steps", "usb"];
 
 /// For the reference board alone: the packages above are linted for another board.
 const BRING_UP: &str = "beamtick-bring-up";
@@ -123,6 +127,10 @@ fn h743() -> (Count, Outcome) {
     let built = || {
         Ok((
             image::build_bin("beamtick-probes-h743", "h743-core")?,
+            [
+                ("BEAMTICK_H743_DOUBLES", image::build_bin("beamtick-probes-h743", "h743-doubles")?),
+                ("BEAMTICK_MPS2_DOUBLES", image::build_bin("beamtick-probes", "doubles")?),
+            ],
             board::build_bring_up()?,
             board::MODULE_DAC.build()?,
             board::MODULE.build()?,
@@ -131,23 +139,35 @@ fn h743() -> (Count, Outcome) {
         ))
     };
     match ready.and_then(|()| built()) {
-        Ok((probe, bring_up, module_for_dac, module, for_dac, image)) => {
+        Ok((probe, doubles, bring_up, module_for_dac, module, for_dac, image)) => {
             let mut command = cargo();
             command.args(["test", "--no-fail-fast", "--package", EMULATION]);
-            command.env("BEAMTICK_H743_PROBE", probe).env("BEAMTICK_H743_DAC_IMAGE", &for_dac);
+            command.env("BEAMTICK_H743_PROBE", probe).envs(doubles).env("BEAMTICK_H743_DAC_IMAGE", &for_dac);
             command.env("BEAMTICK_H743_BRING_UP", bring_up).env("BEAMTICK_H743VI_DAC_IMAGE", &module_for_dac);
-            command.env("BEAMTICK_H743VI_IMAGE", &module).env("BEAMTICK_H743_IMAGE", image);
-            // Light and restarts again, with the images for an external DAC.
+            command.env("BEAMTICK_H743VI_IMAGE", &module).env("BEAMTICK_H743_IMAGE", &image);
+            // The boards' tests again, with the images for an external DAC.
             let mut for_dacs = cargo();
             for_dacs.args(["test", "--no-fail-fast", "--package", EMULATION]);
-            for_dacs.args(["--test", "facts", "--test", "light", "--test", "restarts", "--test", "second_board"]);
-            for_dacs.env("BEAMTICK_H743_IMAGE", for_dac).env("BEAMTICK_H743VI_IMAGE", module_for_dac);
-            // ST's data of the package with 100 pins takes the place of the other's.
-            let mut package = cargo();
-            package.args(["test", "--package", EMULATION, "--no-default-features", "--features", "stm32h743vi"]);
-            package.args(["--test", "authorities"]).env("BEAMTICK_H743VI_IMAGE", module);
+            for test in FOR_DACS {
+                for_dacs.args(["--test", test]);
+            }
+            for_dacs.env("BEAMTICK_H743_IMAGE", &for_dac).env("BEAMTICK_H743VI_IMAGE", &module_for_dac);
+            for_dacs.env("BEAMTICK_H743_DAC_IMAGE", &for_dac);
+            // ST's data of another chip take the place of the first one's.
+            let of = |chip: &str, plain: (&str, &Path), for_dac: (&str, &Path)| {
+                let mut command = cargo();
+                command.args(["test", "--package", EMULATION, "--no-default-features", "--features", chip]);
+                command.args(["--test", "authorities", "--test", "reset_values"]);
+                command.env(plain.0, plain.1).env(for_dac.0, for_dac.1);
+                command
+            };
+            let [plain, external] = ["BEAMTICK_H743VI_IMAGE", "BEAMTICK_H743VI_DAC_IMAGE"];
+            let module = of("stm32h743vi", (plain, &module), (external, &module_for_dac));
+            // The chip of the NUCLEO-H753ZI, where the same image runs.
+            let [plain, external] = ["BEAMTICK_H743_IMAGE", "BEAMTICK_H743_DAC_IMAGE"];
+            let sibling = of("stm32h753zi", (plain, &image), (external, &for_dac));
             let mut count = Count::default();
-            for mut command in [command, for_dacs, package] {
+            for mut command in [command, for_dacs, module, sibling] {
                 let (more, outcome) = tests(&mut command);
                 count.passed += more.passed;
                 count.failed += more.failed;
@@ -171,6 +191,8 @@ fn emulated() -> (Count, Outcome) {
                 "emulated_board",
                 "--test",
                 "emulated_faults",
+                "--test",
+                "emulated_inputs",
                 "--test",
                 "emulated_signals",
             ]);

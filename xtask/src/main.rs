@@ -11,6 +11,7 @@ mod comments;
 mod demo;
 mod dist;
 mod doors;
+mod embassy;
 mod floats;
 mod fuzz;
 mod image;
@@ -61,6 +62,7 @@ cargo xtask COMMAND
   doors --page    writes the table from the counts of the last run
   pages           checks links, sentences and names of code in the documentation, and the width of comments
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
+  embassy         what parts of embassy-stm32 would take in place of hal's (docs/decisions/024-embassy-stm32.md)
   lines           counts the lines of production code of servo and dispatcher
   c-api           writes the headers and exports of the C library from the table of functions
   wheel           builds the Python wheel with the library inside, into out/
@@ -105,6 +107,7 @@ fn main() -> ExitCode {
         ["doors", "--page"] => doors::page(),
         ["pages"] => pages::check().and_then(|()| comments::check()).and_then(|()| lines::check()),
         ["proofs"] => proofs::run(),
+        ["embassy"] => embassy::report(),
         ["lines"] => lines::report(),
         ["c-api"] => shell::run(shell::cargo().env("BEAMTICK_WRITE", "1").args([
             "test",

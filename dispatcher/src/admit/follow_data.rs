@@ -134,6 +134,8 @@ impl FollowFifoWrite<'_> {
 
 impl<const AXES: usize> Context<'_, AXES> {
     /// Admits a data command of either mode.
+    /// A function of its own: else a path's data would have its memory on the stack too.
+    #[inline(never)]
     pub fn follow_data(&self, stores: &SegmentStores<AXES>, number: u16, body: &[u8]) -> Stored {
         if number == opcode::FollowDataPercent2Ex {
             return self.asymmetric_data(stores, &one(body)?);

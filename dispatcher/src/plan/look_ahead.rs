@@ -525,6 +525,13 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
             self.decide(self.first.wrapping_add(2));
         }
         self.plan();
+        self.take_planned(now)
+    }
+
+    /// The same of planned motions. A function of its own: its memory and that of the plan are
+    /// never on the stack together.
+    #[inline(never)]
+    fn take_planned(&mut self, now: bool) -> Option<Planned> {
         let motion = self.slot(self.first);
         let (junction, high, [settled, sure]) = self.end_of(self.first);
         let mut bounds: Vec<Bound, BOUNDS_MAX> = Vec::new();

@@ -136,11 +136,6 @@ enum Purpose {
 fn bring_up(purpose: Purpose) -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
     let is_other = package::is_other();
-    if !is_other {
-        // SAFETY: this function gets here once, and nothing has driven a pin yet.
-        unsafe { analog::zero_external() };
-        clocks::await_source();
-    }
     if !clocks::is_fit() {
         // The image needs another chip: all other pins stay as the reset left them. An LED is an
         // output of the board, too, so it is lit only where nothing is connected to that.
@@ -150,6 +145,11 @@ fn bring_up(purpose: Purpose) -> Option<Board> {
         loop {
             cortex_m::asm::wfi();
         }
+    }
+    if !is_other {
+        // SAFETY: this function gets here once, and nothing has driven a pin yet.
+        unsafe { analog::zero_external() };
+        clocks::await_source();
     }
     clocks::freeze_watchdog_in_debug();
     watchdog::start();

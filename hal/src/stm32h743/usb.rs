@@ -85,6 +85,8 @@ pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
         w.set_fdmod(true);
         w.set_physel(true);
     });
+    // Not connected before the driver says so: sources differ on the bit's value after a reset.
+    core.dctl().write(|w| w.set_sdis(true));
     core.gccfg_v2().modify(|w| {
         // The bit switches the transceiver on.
         w.set_pwrdwn(true);

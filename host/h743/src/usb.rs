@@ -145,8 +145,11 @@ pub struct Core {
 }
 
 impl Core {
+    /// As after a reset (tests/reset_values.rs names the source).
     fn initial() -> Core {
-        let mut core = Core { dctl: 1 << 1, ..Core::default() };
+        let (gusbcfg, grxfsiz, dcfg) = (0xa00, 0x200, 0x0220_0000);
+        let mut core = Core { gusbcfg, grxfsiz, dcfg, ..Core::default() };
+        core.ins[0].place = 0x200;
         core.ins[0].control = USBAEP;
         core.outs[0].control = USBAEP;
         core

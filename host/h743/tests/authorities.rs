@@ -1,14 +1,16 @@
-//! The models and the image beside ST's own data of the chip: addresses, clocks, interrupts, DMA
-//! requests, alternate functions.
+//! The models and the images beside ST's own data of the chip: addresses, clocks, resets,
+//! interrupts, DMA streams and requests, alternate functions, analog pins.
 //!
 //! `stm32-metapac` takes them from ST's databases (CubeMX, SVD files), for all its users; nothing
 //! of ours is in them. What they do not hold stands in docs/board-assumptions.md. Tests of an image
 //! run where its variable names it ([`package`]).
 //!
 //! The feature `stm32h743vi` takes the data of the package with 100 pins, and the second board's
-//! image, instead of those of the reference board.
+//! images, instead of those of the reference board. The feature `stm32h753zi` compares the
+//! reference board's images with the data of the STM32H753ZI, the chip of the NUCLEO-H753ZI.
 use client::{Client, Options};
 use h743::bus::{BREAKS, CAPTURES, ENCODERS, PERIPHERALS};
+use h743::clocks::{AHB1ENR, RESET_BEFORE_ENABLE};
 use h743::device::Source;
 use h743::gpio::FUNCTIONS;
 use h743::link::{EmulatedLink, lock};
@@ -16,7 +18,7 @@ use h743::timer::{KINDS, TRIGGERS};
 use h743::{MILLISECOND, Machine, Pin, Stop};
 use protocol::command::{AxisOn, LaserPrfCmd, PrfJog, SetAxisMode, SetHSIOOpt, SetJogPrm, SetVel, Update};
 use std::sync::{Arc, Mutex};
-use stm32_metapac::metadata::ir::{BitOffset, BlockItemInner};
+use stm32_metapac::metadata::ir::{BitOffset, Block, BlockItem, BlockItemInner};
 use stm32_metapac::metadata::{METADATA, Peripheral};
 
 #[cfg(not(feature = "stm32h743vi"))]
@@ -27,8 +29,12 @@ use second as package;
 /// LQFP144 and docs/board-h743.md.
 #[cfg(not(feature = "stm32h743vi"))]
 mod reference {
-    /// What names the image.
-    pub const IMAGE: &str = "BEAMTICK_H743_IMAGE";
+    /// What names the images: the plain one, and that for an external DAC.
+    pub const IMAGES: [&str; 2] = ["BEAMTICK_H743_IMAGE", "BEAMTICK_H743_DAC_IMAGE"];
+    /// The page of its pins, the source of [`GIVEN`], [`ANALOG`] and [`TO_DAC`].
+    pub const PAGE: &str = include_str!("../../../docs/board-h743.md");
+    /// The port of steps and directions.
+    pub const STEPS: &str = "GPIOF";
     pub const BOARD: h743::board::Board = h743::board::NUCLEO;
     /// The last port that the package has.
     pub const LAST_PORT: char = 'G';
@@ -65,7 +71,9 @@ mod reference {
 /// LQFP100 and docs/board-h743vi.md.
 #[cfg(feature = "stm32h743vi")]
 mod second {
-    pub const IMAGE: &str = "BEAMTICK_H743VI_IMAGE";
+    pub const IMAGES: [&str; 2] = ["BEAMTICK_H743VI_IMAGE", "BEAMTICK_H743VI_DAC_IMAGE"];
+    pub const PAGE: &str = include_str!("../../../docs/board-h743vi.md");
+    pub const STEPS: &str = "GPIOE";
     pub const BOARD: h743::board::Board = h743::board::MODULE;
     pub const LAST_PORT: char = 'E';
     pub const GIVEN: [(&str, &str, &str); 23] = [
@@ -96,6 +104,12 @@ mod second {
     ];
 }
 
+/// What the images for an external DAC give beside these.
+const TO_DAC: [(&str, &str, &str); 2] = [("PC10", "SPI3", "SCK"), ("PC12", "SPI3", "MOSI")];
+/// Analog pins: inputs 1 and 2, outputs of lasers 0 and 1.
+const ANALOG: [(&str, &str, &str); 4] =
+    [("PC3_C", "ADC3", "INP1"), ("PC2_C", "ADC3", "INP0"), ("PA4", "DAC1", "OUT1"), ("PA5", "DAC1", "OUT2")];
+
 /// Whether the package has a pin.
 fn is_there(pin: &str) -> bool {
     pin.chars().nth(1).is_some_and(|port| port <= package::LAST_PORT)
@@ -105,15 +119,36 @@ fn peripheral(name: &str) -> &'static Peripheral {
     METADATA.peripherals.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("the chip has no {name}"))
 }
 
+fn block(of: &str, name: &str) -> &'static Block {
+    let plain = |name: &str| name.replace('_', "").to_ascii_lowercase();
+    let blocks = peripheral(of).registers.as_ref().unwrap().ir.blocks;
+    blocks.iter().find(|block| plain(block.name) == plain(name)).unwrap()
+}
+
+/// A register of a peripheral. A block has the registers of the one it extends.
+fn register(of: &str, name: &str) -> &'static BlockItem {
+    let mut block = self::block(of, peripheral(of).registers.as_ref().unwrap().block);
+    loop {
+        if let Some(item) = block.items.iter().find(|item| item.name.eq_ignore_ascii_case(name)) {
+            return item;
+        }
+        block = self::block(of, block.extends.unwrap_or_else(|| panic!("{of} has no {name}")));
+    }
+}
+
+/// The address of a register.
+fn address(of: &str, name: &str) -> u32 {
+    peripheral(of).address as u32 + register(of, name).byte_offset
+}
+
 /// Offset of a register within its peripheral, and the first bit of one of its fields.
-fn place(of: &str, register: &str, field: &str) -> (u32, u32) {
-    let registers = peripheral(of).registers.as_ref().unwrap();
-    let block = registers.ir.blocks.iter().find(|b| b.name.eq_ignore_ascii_case(registers.block)).unwrap();
-    let item = block.items.iter().find(|item| item.name.eq_ignore_ascii_case(register)).unwrap();
-    let BlockItemInner::Register(shape) = &item.inner else { panic!("{register} is a block") };
-    let fields = registers.ir.fieldsets.iter().find(|f| Some(f.name) == shape.fieldset).unwrap();
+fn place(of: &str, name: &str, field: &str) -> (u32, u32) {
+    let item = register(of, name);
+    let BlockItemInner::Register(shape) = &item.inner else { panic!("{name} is a block") };
+    let fieldsets = peripheral(of).registers.as_ref().unwrap().ir.fieldsets;
+    let fields = fieldsets.iter().find(|f| Some(f.name) == shape.fieldset).unwrap();
     let field = fields.fields.iter().find(|f| f.name.eq_ignore_ascii_case(field)).unwrap();
-    let BitOffset::Regular(bit) = &field.bit_offset else { panic!("{register} has its bits apart") };
+    let BitOffset::Regular(bit) = &field.bit_offset else { panic!("{name} has its bits apart") };
     (item.byte_offset, bit.offset)
 }
 
@@ -132,17 +167,23 @@ fn interrupt(of: &str, signal: &str) -> usize {
     METADATA.interrupts.iter().find(|i| i.name == name).unwrap().number as usize
 }
 
-/// The board after start-up with its interlock closed, or nothing where no image is named.
-fn started() -> Option<Machine> {
-    let Some(path) = std::env::var_os(package::IMAGE) else {
-        println!("skipped: {} names no image", package::IMAGE);
-        return None;
-    };
-    let mut machine = Machine::on(package::BOARD).unwrap();
-    machine.boot(&std::fs::read(path).unwrap()).unwrap();
-    BREAKS.iter().for_each(|(_, name, _)| machine.drive(Pin::named(name).unwrap(), Some(false)));
-    assert_eq!(machine.run(20 * MILLISECOND), Stop::Time);
-    Some(machine)
+/// The board after start-up with its interlock closed, once by each image that is named; true with
+/// the one for an external DAC.
+fn started() -> Vec<(bool, Machine)> {
+    let mut started = Vec::new();
+    for (variable, is_for_dac) in package::IMAGES.into_iter().zip([false, true]) {
+        let Some(path) = std::env::var_os(variable) else {
+            println!("skipped: {variable} names no image");
+            continue;
+        };
+        let mut machine = Machine::on(package::BOARD).unwrap();
+        machine.boot(&std::fs::read(path).unwrap()).unwrap();
+        BREAKS.iter().for_each(|(_, name, _)| machine.drive(Pin::named(name).unwrap(), Some(false)));
+        // Longer than its converter is calibrated.
+        assert_eq!(machine.run(40 * MILLISECOND), Stop::Time);
+        started.push((is_for_dac, machine));
+    }
+    started
 }
 
 fn read(machine: &mut Machine, address: u32) -> u32 {
@@ -160,7 +201,14 @@ fn peripherals_of_the_model_lie_and_are_clocked_where_st_says() {
         let Some(clock) = model.clock else { continue };
         let enable = chip.rcc.as_ref().and_then(|rcc| rcc.enable.as_ref()).unwrap();
         assert_eq!(clock, place("RCC", enable.register, enable.field), "{}", model.name);
+        let reset = chip.rcc.as_ref().and_then(|rcc| rcc.reset.as_ref()).unwrap();
+        let (register, bit) = clock;
+        assert_eq!((register - RESET_BEFORE_ENABLE, bit), place("RCC", reset.register, reset.field), "{}", model.name);
         clocked += 1;
+    }
+    for (name, bit) in [("DMA1", 0), ("DMA2", 1)] {
+        let enable = peripheral(name).rcc.as_ref().and_then(|rcc| rcc.enable.as_ref()).unwrap();
+        assert_eq!(place("RCC", enable.register, enable.field), (AHB1ENR, bit), "{name}");
     }
     assert!(clocked >= 15, "{clocked} of them have a clock");
 }
@@ -239,83 +287,176 @@ fn alternate_functions_of_the_model_are_those_of_the_chip() {
     }
 }
 
-#[test]
-fn the_image_gives_each_pin_to_the_signal_that_the_page_promises() {
-    let Some(mut machine) = started() else { return };
-    let mut given = 0;
-    // The others are not clocked: their pins are as the reset has left them.
-    for port in 'A'..=package::LAST_PORT {
-        let base = peripheral(&format!("GPIO{port}")).address as u32;
-        let mode = read(&mut machine, base);
-        for pin in 0..16 {
-            const ANALOG: u32 = 3;
-            const ALTERNATE: u32 = 2;
-            let name = format!("P{port}{pin}");
-            let use_of_pin = mode >> (2 * pin) & 3;
-            assert!(
-                use_of_pin == ANALOG || METADATA.pins.iter().any(|of| of.name == name),
-                "no {name} in this package"
-            );
-            if use_of_pin != ALTERNATE {
-                continue;
-            }
-            let number = read(&mut machine, base + 0x20 + pin / 8 * 4) >> (pin % 8 * 4) & 0xf;
-            let (_, of, signal) = package::GIVEN
-                .iter()
-                .find(|(of, ..)| *of == name)
-                .unwrap_or_else(|| panic!("{name} is given to something"));
-            if of.is_empty() {
-                assert_eq!(number, 0, "{name}: the debug port's");
-                continue;
-            }
-            assert_eq!(function(of, signal, &name), Some(number), "{name}: {of} {signal}");
-            given += 1;
-        }
-    }
-    assert_eq!(given, package::GIVEN.iter().filter(|(_, of, _)| !of.is_empty()).count());
+/// The row of the page's table that names a pin.
+fn row_of_page(pin: &str) -> &'static str {
+    let table = package::PAGE.lines().skip_while(|line| !line.starts_with("## Pins"));
+    let mut rows = table.filter(|line| line.starts_with("| ") && line.matches(" | ").count() == 2);
+    let names = |row: &&str| row.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == pin);
+    rows.find(names).unwrap_or_else(|| panic!("the page has no {pin}"))
 }
 
-/// Which timer's trigger comes at ITR0 to ITR3 of a timer, by Linux
-/// (`drivers/iio/trigger/stm32-timer-trigger.c`, `stm32h7_valids_table`, by ST); `None` is a
-/// channel of a timer. ST's databases have no such table.
-const TRIGGERS_OF_LINUX: [(u8, [Option<u8>; 4]); 6] = [
-    (1, [Some(15), Some(2), Some(3), Some(4)]),
-    (2, [Some(1), Some(8), Some(3), Some(4)]),
-    (3, [Some(1), Some(2), Some(15), Some(4)]),
-    (4, [Some(1), Some(2), Some(3), Some(8)]),
-    (8, [Some(1), Some(2), Some(4), Some(5)]),
-    (15, [Some(1), Some(3), None, None]),
+#[test]
+fn the_page_says_what_each_pin_is_given_to() {
+    for (pin, of, signal) in package::GIVEN.into_iter().chain(TO_DAC).chain(ANALOG) {
+        if of.is_empty() {
+            continue;
+        }
+        let row = row_of_page(pin);
+        assert!(row.contains(of.trim_start_matches("USB_")), "{pin}: {of} is not in {row}");
+        if of.starts_with("ADC") || of.starts_with("DAC") {
+            assert!(row.contains(signal), "{pin}: {signal} is not in {row}");
+        }
+        if let Some(number) = function(of, signal, pin).filter(|_| row.contains("AF")) {
+            assert!(row.contains(&format!("AF{number}")), "{pin}: AF{number} is not in {row}");
+        }
+    }
+}
+
+#[test]
+fn the_image_gives_each_pin_to_the_signal_that_the_page_promises() {
+    for (is_for_dac, mut machine) in started() {
+        let promised: Vec<_> = package::GIVEN.into_iter().chain(TO_DAC.into_iter().filter(|_| is_for_dac)).collect();
+        let mut given = 0;
+        // The others are not clocked: their pins are as the reset has left them.
+        for port in 'A'..=package::LAST_PORT {
+            let base = peripheral(&format!("GPIO{port}")).address as u32;
+            let mode = read(&mut machine, base);
+            for pin in 0..16 {
+                const ALTERNATE: u32 = 2;
+                let name = format!("P{port}{pin}");
+                let use_of_pin = mode >> (2 * pin) & 3;
+                assert!(
+                    use_of_pin == ANALOG_MODE || METADATA.pins.iter().any(|of| of.name == name),
+                    "no {name} in this package"
+                );
+                if use_of_pin != ALTERNATE {
+                    continue;
+                }
+                let number = read(&mut machine, base + 0x20 + pin / 8 * 4) >> (pin % 8 * 4) & 0xf;
+                let (_, of, signal) = promised
+                    .iter()
+                    .find(|(of, ..)| *of == name)
+                    .unwrap_or_else(|| panic!("{name} is given to something"));
+                if of.is_empty() {
+                    assert_eq!(number, 0, "{name}: the debug port's");
+                    continue;
+                }
+                assert_eq!(function(of, signal, &name), Some(number), "{name}: {of} {signal}");
+                given += 1;
+            }
+        }
+        assert_eq!(given, promised.iter().filter(|(_, of, _)| !of.is_empty()).count());
+    }
+}
+
+/// A pin's mode in GPIO's MODER.
+const ANALOG_MODE: u32 = 3;
+
+/// The pin of an analog signal by ST's data.
+fn analog_pin(of: &str, signal: &str) -> &'static str {
+    let found = peripheral(of).pins.iter().find(|pin| pin.signal == signal && pin.af.is_none());
+    found.unwrap_or_else(|| panic!("{of} has no {signal}")).pin
+}
+
+#[test]
+fn the_image_converts_at_the_analog_pins_of_the_page() {
+    for (pin, of, signal) in ANALOG {
+        assert_eq!(analog_pin(of, signal), pin, "{of} {signal}");
+    }
+    for (is_for_dac, mut machine) in started() {
+        // The regular conversion is input 1, the injected one input 2.
+        for ((name, field), (pin, ..)) in [("SQR1", "SQ"), ("JSQR", "JSQ")].into_iter().zip(ANALOG) {
+            let (_, bit) = place("ADC3", name, field);
+            let channel = read(&mut machine, address("ADC3", name)) >> bit & 0x1f;
+            assert_eq!(analog_pin("ADC3", &format!("INP{channel}")), pin, "{name}");
+            let (_, first) = place("ADC3", "PCSEL", "PCSEL");
+            assert_eq!(read(&mut machine, address("ADC3", "PCSEL")) >> (first + channel) & 1, 1, "{name}");
+        }
+        // The outputs are switched on, unless an external converter takes their place.
+        if !is_for_dac {
+            let (_, first) = place("DAC1", "CR", "EN");
+            assert_eq!(read(&mut machine, address("DAC1", "CR")) >> first & 0x1_0001, 0x1_0001);
+        }
+        for (pin, ..) in ANALOG {
+            let pin = Pin::named(pin.trim_end_matches("_C")).unwrap();
+            let mode = read(&mut machine, peripheral(&format!("GPIO{}", char::from(b'A' + pin.0))).address as u32);
+            assert_eq!(mode >> (2 * pin.1) & 3, ANALOG_MODE, "{pin}");
+        }
+    }
+}
+
+/// By ST. ST's databases have no such table.
+const LINUX: &str = "Linux, drivers/iio/trigger/stm32-timer-trigger.c, stm32h7_valids_table";
+/// Which timer's trigger comes at ITR0 to ITR3 of a timer, and the source; `None` is a channel of a
+/// timer.
+const TRIGGERS_OF_LINUX: [(u8, [Option<u8>; 4], &str); 6] = [
+    (1, [Some(15), Some(2), Some(3), Some(4)], LINUX),
+    (2, [Some(1), Some(8), Some(3), Some(4)], LINUX),
+    (3, [Some(1), Some(2), Some(15), Some(4)], LINUX),
+    (4, [Some(1), Some(2), Some(3), Some(8)], LINUX),
+    (8, [Some(1), Some(2), Some(4), Some(5)], LINUX),
+    (15, [Some(1), Some(3), None, None], LINUX),
 ];
 
 #[test]
 fn triggers_between_timers_are_those_of_linux() {
     assert_eq!(TRIGGERS.len(), TRIGGERS_OF_LINUX.len());
-    for ((slave, masters), (of, theirs)) in TRIGGERS.into_iter().zip(TRIGGERS_OF_LINUX) {
+    for ((slave, masters), (of, theirs, source)) in TRIGGERS.into_iter().zip(TRIGGERS_OF_LINUX) {
         let theirs: Vec<u8> = theirs.into_iter().flatten().collect();
-        assert_eq!((slave, masters), (of, &theirs[..]));
+        assert_eq!((slave, masters), (of, &theirs[..]), "{source}");
     }
 }
 
 /// TIM2 makes the ticks and starts TIM1 and TIM8; TIM15 starts with TIM1.
 #[test]
 fn the_image_starts_timers_by_the_triggers_of_linux() {
-    let Some(mut machine) = started() else { return };
-    machine.run(20 * MILLISECOND);
-    for (slave, master) in [(1, 2), (8, 2), (15, 1)] {
-        let smcr = read(&mut machine, peripheral(&format!("TIM{slave}")).address as u32 + 0x08);
-        // TS and SMS (RM0433 38.4.3): the trigger mode is 6.
-        let (input, mode) = ((smcr >> 4 & 7 | smcr >> 17 & 0x18) as usize, smcr & 7 | smcr >> 13 & 8);
-        let (_, masters) = TRIGGERS_OF_LINUX.into_iter().find(|(of, _)| *of == slave).unwrap();
-        assert_eq!((masters.get(input).copied().flatten(), mode), (Some(master), 6), "TIM{slave}");
+    for (_, mut machine) in started() {
+        for (slave, master) in [(1, 2), (8, 2), (15, 1)] {
+            let smcr = read(&mut machine, peripheral(&format!("TIM{slave}")).address as u32 + 0x08);
+            // TS and SMS (RM0433 38.4.3): the trigger mode is 6.
+            let (input, mode) = ((smcr >> 4 & 7 | smcr >> 17 & 0x18) as usize, smcr & 7 | smcr >> 13 & 8);
+            let (_, masters, _) = TRIGGERS_OF_LINUX.into_iter().find(|(of, ..)| *of == slave).unwrap();
+            assert_eq!((masters.get(input).copied().flatten(), mode), (Some(master), 6), "TIM{slave}");
+        }
     }
 }
 
+/// Else the watchdog would reset a chip whose core a debugger holds (RM0433 60.5.8, WDGLSD1).
 #[test]
-fn the_image_asks_dma_and_takes_interrupts_by_the_chips_numbers() {
-    let Some(machine) = started() else { return };
-    let shared = Arc::new(Mutex::new(machine));
-    let client = Client::open(Box::new(EmulatedLink::new(shared.clone())), Options::default()).unwrap();
-    // Lasers and steps ask from their first plan on.
+fn the_image_freezes_the_watchdog_under_a_debugger() {
+    let (_, bit) = place("DBGMCU", "APB4FZR1", "IWDG1");
+    for (_, mut machine) in started() {
+        assert_eq!(read(&mut machine, address("DBGMCU", "APB4FZR1")) >> bit & 1, 1);
+        assert!(machine.chip.bus.watchdog.is_running());
+    }
+}
+
+/// A stream in use: its controller and number, the request, and the register at its fixed end.
+type Stream = ((&'static str, u32), (&'static str, &'static str), (&'static str, &'static str));
+
+/// Those of docs/board-h743-registers.md, "DMA".
+const STREAMS: [Stream; 6] = [
+    (("DMA1", 0), ("TIM1", "UP"), ("TIM1", "DMAR")),
+    (("DMA1", 1), ("TIM8", "UP"), ("TIM8", "DMAR")),
+    (("DMA1", 2), ("USART3", "RX"), ("USART3", "RDR")),
+    (("DMA2", 0), ("TIM15", "UP"), ("TIM15", "DMAR")),
+    (("DMA2", 1), ("TIM17", "UP"), (package::STEPS, "BSRR")),
+    (("DMA2", 2), ("TIM17", "CH1"), ("TIM17", "PSC")),
+];
+
+#[test]
+fn the_page_has_the_chips_numbers_of_streams_channels_and_requests() {
+    let page = include_str!("../../../docs/board-h743-registers.md");
+    for ((controller, stream), (of, signal), _) in STREAMS {
+        let channel = METADATA.dma_channels.iter().find(|c| c.dma == controller && c.channel == stream).unwrap();
+        let (channel, number) = (channel.dmamux_channel.unwrap(), request(of, signal));
+        let row = format!("| {controller} stream {stream} | {channel}: {number}, {of}_{signal} |");
+        assert!(page.contains(&row), "the page lacks {row}");
+    }
+}
+
+/// Lasers and steps ask from their first plan on.
+fn ask(client: &Client) {
     let core = 1.into();
     for (axis, channel) in [(7, 0.into()), (8, 1.into())] {
         client.call(SetAxisMode { core, axis: axis.into(), mode: 1.into() }).unwrap();
@@ -327,23 +468,32 @@ fn the_image_asks_dma_and_takes_interrupts_by_the_chips_numbers() {
     client.call(SetJogPrm { core, profile: 1.into(), acc: 1.0.into(), dec: 1.0.into(), smooth: 0.0.into() }).unwrap();
     client.call(SetVel { core, profile: 1.into(), vel: 10.0.into() }).unwrap();
     client.call(Update { core, mask: 1.into() }).unwrap();
-    let mut machine = lock(&shared);
-    machine.run(20 * MILLISECOND);
-    let multiplexer = peripheral("DMAMUX1").address as u32;
-    // Streams of docs/board-h743-registers.md, "DMA": DMAMUX1 channels 0 to 7 are of DMA1, 8 to 15
-    // of DMA2.
-    let streams = [
-        (0, "TIM1", "UP"),
-        (1, "TIM8", "UP"),
-        (2, "USART3", "RX"),
-        (8, "TIM15", "UP"),
-        (9, "TIM17", "UP"),
-        (10, "TIM17", "CH1"),
-    ];
-    for channel in 0..16 {
-        let asked = read(&mut machine, multiplexer + 4 * channel) & 0x7f;
-        let stream = streams.iter().find(|(number, ..)| *number == channel);
-        assert_eq!(asked, stream.map_or(0, |(_, of, signal)| request(of, signal)), "channel {channel}");
+}
+
+#[test]
+fn the_image_asks_dma_and_takes_interrupts_by_the_chips_numbers() {
+    for (_, machine) in started() {
+        let shared = Arc::new(Mutex::new(machine));
+        let client = Client::open(Box::new(EmulatedLink::new(shared.clone())), Options::default()).unwrap();
+        ask(&client);
+        let mut machine = lock(&shared);
+        machine.run(20 * MILLISECOND);
+        let multiplexer = peripheral("DMAMUX1").address as u32;
+        let channels: Vec<_> = METADATA.dma_channels.iter().filter(|c| c.dmamux == Some("DMAMUX1")).collect();
+        assert_eq!(channels.len(), 16);
+        for channel in channels {
+            let stream = STREAMS.iter().find(|(of, ..)| *of == (channel.dma, channel.channel));
+            let asked = read(&mut machine, multiplexer + 4 * channel.dmamux_channel.unwrap()) & 0x7f;
+            let expected = stream.map_or(0, |(_, (of, signal), _)| request(of, signal));
+            assert_eq!(asked, expected, "{}", channel.name);
+            // CR and PAR of the stream (RM0433 15.5.5, 15.5.7).
+            let registers = peripheral(channel.dma).address as u32 + 0x10 + 0x18 * channel.channel;
+            let is_on = read(&mut machine, registers) & 1 == 1;
+            assert_eq!(is_on, stream.is_some(), "{}", channel.name);
+            if let Some((_, _, (of, name))) = stream {
+                assert_eq!(read(&mut machine, registers + 8), address(of, name), "{}: {of}_{name}", channel.name);
+            }
+        }
     }
     for (number, name, signal) in [(28, "TIM2", "UP"), (39, "USART3", "GLOBAL"), (101, "USB_OTG_FS", "GLOBAL")] {
         assert_eq!(interrupt(name, signal), number, "{name}");

@@ -85,21 +85,6 @@ fn a_board_that_is_as_it_should_be_says_nothing_of_its_breaks() {
 }
 
 #[test]
-fn other_chips_and_revisions_are_refused() {
-    let others =
-        [0x1001, 0x1003, 0x2002, 0x3003].map(Wrong::Revision).into_iter().chain([0x480, 0x483].map(Wrong::Chip));
-    for other in others {
-        let Some(machine) = started(|machine| machine.plant(other)) else { return };
-        // Nothing is driven, no LED either (PB0, PE1, PB14 are outputs), and the watchdog does not
-        // bite.
-        for name in ["PE9", "PE8", "PC7", "PB0", "PE1", "PB14", "PF8", "PG0", "PD8"] {
-            assert_eq!(machine.chip.bus.gpio.level(Pin::named(name).unwrap()), Level::Floating, "{other:?} {name}");
-        }
-        assert!(machine.resets.is_empty());
-    }
-}
-
-#[test]
 fn a_converter_that_is_switched_on_too_early_is_switched_on_again() {
     let Some(mut machine) = started(|machine| machine.chip.bus.adc.withdraws = 3) else { return };
     let at = machine.chip.now;

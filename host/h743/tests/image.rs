@@ -1,7 +1,11 @@
 //! The released image for the NUCLEO-H743ZI2 in emulation, where BEAMTICK_H743_IMAGE names it
 //! (`cargo xtask check-all` does).
+mod images;
+
 use client::{Client, Options};
+use h743::board::{Board, MODULE, NUCLEO};
 use h743::engine::Register;
+use h743::facts::Wrong;
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop};
 use protocol::command::{AxisOn, GetFault, LaserStatus};
@@ -9,11 +13,7 @@ use std::sync::{Arc, Mutex};
 
 /// The image, if there is one.
 fn image() -> Option<Vec<u8>> {
-    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
-        println!("skipped: BEAMTICK_H743_IMAGE names no image");
-        return None;
-    };
-    Some(std::fs::read(path).unwrap())
+    images::named("BEAMTICK_H743_IMAGE")
 }
 
 fn booted(elf: &[u8]) -> Machine {
@@ -23,10 +23,17 @@ fn booted(elf: &[u8]) -> Machine {
 }
 
 /// Pins of lasers and axes (docs/board-h743.md), which only a configured board may drive.
-const GUARDED: [&str; 26] = [
-    "PE8", "PE4", "PB0", "PB15", "PA4", "PA5", "PC10", "PC12", "PC11", "PD0", "PD1", "PD2", "PD3", "PD4", "PD5", "PD6",
-    "PD7", "PF0", "PF1", "PF2", "PF3", "PF4", "PF5", "PF6", "PF7", "PG0",
+const GUARDED: [&str; 23] = [
+    "PE8", "PE4", "PB0", "PB15", "PA4", "PA5", "PD0", "PD1", "PD2", "PD3", "PD4", "PD5", "PD6", "PD7", "PF0", "PF1",
+    "PF2", "PF3", "PF4", "PF5", "PF6", "PF7", "PG0",
 ];
+
+/// Whether a pin is one of an external DAC's, which start-up sets to 0 V before all else
+/// (tests/external_dac.rs). The plain image drives none of them.
+fn is_of_dac(pin: Pin) -> bool {
+    let (_, is_for_dac) = images::reference();
+    is_for_dac && ["PC10", "PC11", "PC12"].into_iter().any(|name| Pin::named(name) == Some(pin))
+}
 
 /// The + lines of energy and switch, which rest high.
 const REST_HIGH: [&str; 4] = ["PE9", "PE5", "PC7", "PC8"];
@@ -47,11 +54,11 @@ fn start_up_reaches_full_speed_and_drives_nothing_active() {
     let clocks = bus.clocks();
     println!("480 MHz after {:?} µs, {} instructions", started.map(|at| at / MICROSECOND), machine.chip.instructions);
     assert_eq!((clocks.core, clocks.bus, clocks.apb1, clocks.timers1, clocks.timers2), (2, 4, 8, 4, 4));
-    // Every change of a pin since power-on, so also between any two instructions: nothing was ever
-    // driven high but the link's line and the + lines of the lasers, which rest high; those were
-    // never driven low.
+    // Every change of a pin since power-on, so also between any two instructions. Nothing was ever
+    // driven high but the link's line, those of an external DAC, and the + lines of the lasers.
+    // These rest high and were never driven low.
     let plus = REST_HIGH.map(|name| Pin::named(name).unwrap());
-    let rests_high = |pin: Pin| pin == link_pin() || plus.contains(&pin);
+    let rests_high = |pin: Pin| pin == link_pin() || is_of_dac(pin) || plus.contains(&pin);
     let high: Vec<_> =
         bus.gpio.changes.iter().filter(|c| c.level == Level::Driven(true) && !rests_high(c.pin)).collect();
     assert!(high.is_empty(), "{high:?}");
@@ -71,9 +78,55 @@ fn start_up_reaches_full_speed_and_drives_nothing_active() {
     assert_eq!(of, [Level::Driven(false)]);
     assert!(bus.watchdog.is_running());
     assert_eq!(machine.resets, []);
-    // Some loaders of ST-LINKs refuse an image whose first word, the stack, lies elsewhere.
-    let stack = machine.chip.memory.word(0x0800_0000).unwrap();
-    assert!((0x2000_0001..=0x2002_0000).contains(&stack), "{stack:#x} is not in DTCM");
+}
+
+/// Each image and what it runs on.
+const IMAGES: [(&str, Board); 5] = [
+    ("BEAMTICK_H743_IMAGE", NUCLEO),
+    ("BEAMTICK_H743_DAC_IMAGE", NUCLEO),
+    ("BEAMTICK_H743VI_IMAGE", MODULE),
+    ("BEAMTICK_H743VI_DAC_IMAGE", MODULE),
+    ("BEAMTICK_H743_BRING_UP", NUCLEO),
+];
+
+/// Some loaders of ST-LINKs refuse an image whose first word, the stack, lies elsewhere.
+#[test]
+fn the_first_word_of_each_image_is_a_stack_in_dtcm() {
+    for (variable, board) in IMAGES {
+        let Some(elf) = images::named(variable) else { continue };
+        let mut machine = Machine::on(board).unwrap();
+        machine.boot(&elf).unwrap();
+        let stack = machine.chip.memory.word(0x0800_0000).unwrap();
+        assert!((0x2000_0001..=0x2002_0000).contains(&stack), "{variable}: {stack:#x} is not in DTCM");
+    }
+}
+
+/// Only an STM32H743 of revision X or V runs an image. Revision Y, 0x1003, reaches neither VOS0 nor
+/// 480 MHz.
+#[test]
+fn each_image_refuses_other_chips_and_revisions() {
+    let others =
+        [0x1001, 0x1003, 0x2002, 0x3003].map(Wrong::Revision).into_iter().chain([0x480, 0x483].map(Wrong::Chip));
+    let others: Vec<Wrong> = others.collect();
+    for (variable, board) in IMAGES {
+        let Some(elf) = images::named(variable) else { continue };
+        // The bring-up image lights LD3; on a machine that is an output.
+        let led = Pin::named("PB14").filter(|_| variable == "BEAMTICK_H743_BRING_UP");
+        for other in &others {
+            let mut machine = Machine::on(board).unwrap();
+            machine.boot(&elf).unwrap();
+            machine.plant(*other);
+            // Longer than a watchdog takes.
+            assert_eq!(machine.run(150 * MILLISECOND), Stop::Time);
+            let bus = &machine.chip.bus;
+            let drives = |change: &&h743::gpio::Change| matches!(change.level, Level::Driven(_));
+            let driven: Vec<_> =
+                bus.gpio.changes.iter().filter(drives).map(|change| (change.pin, change.level)).collect();
+            let lit: Vec<_> = led.into_iter().map(|led| (led, Level::Driven(true))).collect();
+            assert_eq!(driven, lit, "{variable}, {other:?}");
+            assert_eq!((machine.resets.len(), bus.watchdog.is_running()), (0, false), "{variable}, {other:?}");
+        }
+    }
 }
 
 /// It is powered later than the chip, or slower.
@@ -84,7 +137,7 @@ fn a_clock_that_comes_late_is_waited_for_in_the_dark_and_is_no_fault() {
     machine.give_clock(false);
     assert_eq!(machine.run(300 * MILLISECOND), Stop::Time);
     let pins = &machine.chip.bus.gpio.changes;
-    assert!(pins.iter().all(|change| !matches!(change.level, Level::Driven(_))), "{pins:?}");
+    assert!(pins.iter().all(|c| is_of_dac(c.pin) || !matches!(c.level, Level::Driven(_))), "{pins:?}");
     machine.give_clock(true);
     assert_eq!(machine.run(100 * MILLISECOND), Stop::Time);
     assert_eq!((machine.chip.bus.clocks().core, &*machine.resets), (2, &[][..]));
@@ -123,7 +176,7 @@ fn the_client_opens_the_board_over_its_usart() {
     let Some(elf) = image() else { return };
     let (client, machine) = linked(&elf);
     let version = client.version();
-    assert!(version.board.starts_with(b"nucleo-h743zi2"), "{version:?}");
+    assert!(version.board.starts_with(images::reference().0), "{version:?}");
     assert_eq!((version.axes_per_core, version.lasers, version.tick_us.get()), (8, 2, 50));
     // No tick was late, the circuit of the interlock is closed: nothing keeps a laser dark.
     let state = client.call(LaserStatus { core: 1.into(), channel: 0.into() }).unwrap();
@@ -284,7 +337,7 @@ fn link_pin() -> Pin {
 }
 
 fn is_active_high(pin: Pin) -> bool {
-    !REST_HIGH.into_iter().any(|name| Pin::named(name) == Some(pin))
+    !is_of_dac(pin) && !REST_HIGH.into_iter().any(|name| Pin::named(name) == Some(pin))
 }
 
 #[test]

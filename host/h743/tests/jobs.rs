@@ -269,6 +269,14 @@ fn a_job_with_an_axis_that_the_board_lacks_is_refused_by_line_and_axis() {
     assert!(text.contains("The job's line 2 names axis 9, which profile gtn-024 holds; --profile NAME"), "{text}");
 }
 
+/// A look-ahead takes the thread's deepest stack: [`compare`] checks what is left of it.
+#[test]
+fn a_contour_through_the_look_ahead_is_the_virtual_controllers() {
+    let job = [("laser_contour", "250", "4")];
+    compare_each(&REFERENCE, Wire::Usb, &job, false);
+    compare_each(&SECOND, Wire::Usb, &job, false);
+}
+
 #[test]
 fn light_and_outputs_go_with_the_steps() {
     compare_all(&REFERENCE, Wire::Usart, &[("laser_path_power", "50", "20"), ("laser_path_power", "250", "20")]);
@@ -291,15 +299,14 @@ fn the_second_board_does_what_the_virtual_controller_does() {
 /// of these and of [`ON_REQUEST`].
 const ALWAYS: [&str; 3] = ["laser_duty_open", "laser_lsr_analog", "laser_lsr_frequency"];
 const IN_TURN: [&str; 4] = ["arcs", "interrupt", "jog_trap", "override"];
-/// An hour of emulation in all.
-const ON_REQUEST: [&str; 17] = [
+/// Ten minutes of emulation and more in all.
+const ON_REQUEST: [&str; 16] = [
     "eight_axes_stream",
     "follow_ex",
     "follow_ex_switch",
     "follow_shear",
     "follow_single",
     "follow_switch",
-    "laser_contour",
     "laser_flying_shear",
     "laser_lsr_path_power",
     "laser_path_follow",
@@ -355,7 +362,15 @@ fn the_other_examples_in_turn_are_the_virtual_controllers() {
 /// A new example is in one of the lists.
 #[test]
 fn no_example_is_forgotten() {
-    let listed = ["laser_analog", "laser_duty", "laser_frequency", "laser_lsr_duty", "laser_path_power", "pt_static"];
+    let listed = [
+        "laser_analog",
+        "laser_contour",
+        "laser_duty",
+        "laser_frequency",
+        "laser_lsr_duty",
+        "laser_path_power",
+        "pt_static",
+    ];
     let all = ALWAYS.into_iter().chain(IN_TURN).chain(ON_REQUEST).chain(LEFT_OUT).chain(listed);
     let mut known: Vec<&str> = all.collect();
     known.sort_unstable();

@@ -3,6 +3,8 @@
 //!
 //! What descriptors must be is from the tables of USB 2.0 (chapter 9), of CDC 1.2 and of PSTN 1.2;
 //! sizes and places are those of the tables, not the image's.
+mod images;
+
 use client::{Call, Client, Options};
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::usb_host::{Transfer, request};
@@ -16,11 +18,7 @@ use std::time::Duration;
 
 /// The image, if there is one.
 fn image() -> Option<Vec<u8>> {
-    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
-        println!("skipped: BEAMTICK_H743_IMAGE names no image");
-        return None;
-    };
-    Some(std::fs::read(path).unwrap())
+    images::named("BEAMTICK_H743_IMAGE")
 }
 
 /// The unique id of this chip (RM0433 61.1): three words.
@@ -180,7 +178,7 @@ fn the_other_wire_gets_the_link_once_the_first_client_is_silent() {
     lock(&machine).run(501 * MILLISECOND);
     let usb = client(&machine);
     assert_eq!(version(&usb), version(&uart));
-    assert!(version(&usb).starts_with(b"nucleo-h743zi2"));
+    assert!(version(&usb).starts_with(images::reference().0));
     // Nothing was on: nothing went dark by it.
     let (_, events) = usb.call_items(GetEvents {}, &[]).unwrap();
     assert!(events.iter().all(|event| event.kind != LASER_EVENT), "{events:?}");
@@ -367,7 +365,7 @@ fn what_a_host_should_not_ask_for_does_no_harm() {
         until_open(&mut machine);
     }
     let usb = client(&shared);
-    assert!(version(&usb).starts_with(b"nucleo-h743zi2"));
+    assert!(version(&usb).starts_with(images::reference().0));
     assert_eq!(lock(&shared).chip.bus.complaints, Vec::<String>::new());
 }
 

@@ -31,6 +31,8 @@ const VELOCITY_RATIO_MAX: f64 = FULL_SCALE;
 
 /// Admits a buffered laser command and puts its entry into the FIFO. The reply reports the values
 /// taken, if there are any, else the free slots.
+/// A function of its own, as `follow_data`.
+#[inline(never)]
 pub fn data<const AXES: usize>(context: &Context<AXES>, paths: Paths, number: u16, body: &[u8]) -> Stored {
     crd_data::put(context, paths, &context.laser_entry(number, body)?)
 }

@@ -151,8 +151,8 @@ impl Device for Timer {
             }
             BDTR => {}
             // It does not report the position in a burst, and no source says that this resets it
-            // (RM0433 38.4.20).
-            DCR => self.dcr = value,
+            // (RM0433 38.4.20). DBL and DBA have five bits each.
+            DCR => self.dcr = value & 0x1f1f,
             DMAR => {
                 let target = self.burst_target();
                 if self.burst != 0 && self.burst_asks != 0 {

@@ -1,0 +1,16 @@
+#![no_std]
+#![no_main]
+//! Clocks, and two analog inputs, by hal.
+use hal::board::adc::Adc;
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    beamtick_embassy::raise();
+    // SAFETY: once.
+    let mut adc = unsafe { Adc::open() };
+    for _ in 0..1000 {
+        adc.advance();
+    }
+    core::hint::black_box([adc.code(0), adc.code(1)]);
+    beamtick_embassy::rest()
+}
