@@ -117,7 +117,8 @@ impl Chance {
     /// A double of any size between 2⁻³⁰ and 2³⁰, of either sign.
     fn any(&mut self) -> f64 {
         let exponent = 1023 - 30 + self.word() % 60;
-        f64::from_bits(self.word() & ((1 << 63) | ((1 << 52) - 1)) | exponent << 52)
+        const SIGN_AND_FRACTION: u64 = 0x800f_ffff_ffff_ffff;
+        f64::from_bits(self.word() & SIGN_AND_FRACTION | exponent << 52)
     }
 }
 
