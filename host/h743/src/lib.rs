@@ -16,6 +16,7 @@ pub mod clocks;
 pub mod counted;
 pub mod dac;
 pub mod dac8563;
+mod debugger;
 pub mod device;
 pub mod dma;
 mod dwt;

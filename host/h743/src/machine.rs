@@ -76,7 +76,7 @@ pub struct Chip {
 }
 
 impl Chip {
-    fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) {
         if self.scs.next() <= self.now {
             self.scs.advance(self.now);
             self.attention = true;
@@ -456,7 +456,7 @@ impl Machine {
         stop
     }
 
-    fn asked_reset(&mut self) -> Option<Cause> {
+    pub(crate) fn asked_reset(&mut self) -> Option<Cause> {
         if self.chip.scs.wants_reset { Some(Cause::Software) } else { self.chip.bus.reset }
     }
 
@@ -577,25 +577,6 @@ impl Machine {
     /// Takes the bytes that the host has received over USB, with their instants.
     pub fn take_sent_usb(&mut self) -> Vec<(Time, u8)> {
         std::mem::take(&mut self.chip.bus.usb.host.received)
-    }
-
-    /// A debugger halts the core for so long; everything else goes on, but what DBGMCU freezes. A
-    /// reset ends it.
-    pub fn halt(&mut self, time: Time) {
-        if self.chip.bus.dbgmcu.freezes_watchdog() {
-            self.chip.bus.watchdog.stand(time);
-        }
-        // The halt is over by then, as far as the next event goes.
-        let chip = &mut self.chip;
-        chip.bus.stir(chip.now, &mut chip.scs.exceptions);
-        let end = self.chip.now.saturating_add(time);
-        while self.chip.now < end {
-            self.chip.now = self.chip.bus.next().min(end).max(self.chip.now);
-            self.chip.settle();
-            if let Some(cause) = self.asked_reset() {
-                return self.reset(cause);
-            }
-        }
     }
 
     /// The ST-LINK gives its clock, or stops.

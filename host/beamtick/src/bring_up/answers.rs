@@ -4,10 +4,10 @@
 //! In: a link, or why there is none. Out: the rows of the page that this settles. Nothing moves or
 //! lights. Fails: another board than the one that is named, a Nucleo's link that is not its USB; a
 //! row that failed.
+use super::options::AnsweringBoard;
 use super::page;
 use crate::Failure;
 use crate::bring_up::lines::Figures;
-use crate::command_line::AnsweringBoard;
 use client::{Client, Link, Options};
 use protocol::command::GetClock;
 use std::path::Path;

@@ -4,9 +4,9 @@
 //! does not answer before the hand has done anything, an answer that is no number; a row that
 //! failed.
 use super::lines::Figures;
+use super::options::ByHand;
 use super::{measure, page};
 use crate::Failure;
-use crate::command_line::ByHand;
 use client::{Client, Link, Options};
 use protocol::command::{GetClock, GetFault, SetDac, Short};
 use std::io::BufRead;

@@ -9,16 +9,17 @@ mod hands;
 mod jumper;
 mod lines;
 mod loads;
+mod options;
 mod page;
 mod rows;
 
 use crate::Failure;
-use crate::command_line::BringUp;
 use crate::{connect, interrupt};
 use client::Link;
 pub use hands::Hands;
 use hands::Terminal;
 use lines::{Figures, Reader};
+pub use options::BringUp;
 use page::{Older, Report};
 use std::time::Duration;
 
