@@ -378,3 +378,30 @@ fn data_after_two_waits_and_a_start_of_another_axis() {
         assert!(report.is_none(), "{report:?}");
     }
 }
+
+/// A segment between a delay and an entry that switches, passed within one tick: what follows
+/// started at ratio 0, as if the delay came directly before it, and the slave stayed behind.
+#[test]
+fn a_switch_after_a_delay_and_a_segment_within_a_tick() {
+    let datum = |master: f64, slave: f64, kind: i16| Item::Segment(Datum { master, slave, kind, percent: 0 });
+    for (between, first) in
+        [1, 2].into_iter().flat_map(|between| [(between, 401.0), (between, 416.0), (between, 431.0)])
+    {
+        let mut calls = vec![plain(Kind::AxisOn, 0), plain(Kind::AxisOn, 1)];
+        calls.push(ex(Call::PrfFollow { axis: 0, dir: 1 }));
+        calls.push(ex(Call::SetFollowMaster { axis: 0, master: 1, kind: 2, item: 0 }));
+        let mut entries = vec![(datum(first, -490.0, 0), 0), (Item::Delay { cycles: 1 }, 0)];
+        entries.push((datum(first + 9.0, -484.0, 1), 0));
+        if between == 2 {
+            entries.push((Item::Output { index: 3, level: true }, 0));
+        }
+        entries.extend([(Item::Switch { table: true }, 0), (datum(1400.0, 900.0, 0), 1)]);
+        calls.extend(entries.into_iter().map(|(item, fifo)| Call::FollowEntry { axis: 0, item, fifo }));
+        calls.extend([ex(Call::FollowStart { mask: 1, option: 0 }), plain(Kind::PrfJog, 1)]);
+        calls.extend([Call::SetJogPrm { axis: 1, acc: 2.0, dec: 0.6 }, Call::SetVel { axis: 1, vel: 128.5 }]);
+        calls.extend([Call::Update { mask: 2 }, Call::Sleep { ns: 30 * MS }]);
+        for tick_us in [250, 1000] {
+            agrees(tick_us, &calls);
+        }
+    }
+}

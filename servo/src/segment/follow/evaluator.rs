@@ -477,6 +477,10 @@ impl FollowRun {
         context: &mut FollowContext<S, L>,
     ) -> bool {
         let entry = context.source.entry(self.fifo, index);
+        if self.held && self.comes_after_segment(index, context) {
+            // It was passed within this tick, without a piece of its own.
+            self.held = false;
+        }
         let (knot, _) = entry.ends();
         let reached = ceil(self.began.wrapping_add(knot));
         self.done = index.wrapping_add(1);
@@ -541,6 +545,12 @@ impl FollowRun {
             }
         }
         true
+    }
+
+    /// Whether the entry before this one is a segment, be it the last one of the pass before.
+    fn comes_after_segment<L>(&self, index: u32, context: &FollowContext<impl FollowEntries, L>) -> bool {
+        let of = if index == 0 { context.setup.fifo(self.fifo).end } else { index };
+        of.checked_sub(1).is_some_and(|before| context.source.entry(self.fifo, before).kind().is_some())
     }
 
     /// The slave is held at the beginning of an entry.
