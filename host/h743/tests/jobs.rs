@@ -299,7 +299,7 @@ fn the_second_board_does_what_the_virtual_controller_does() {
 /// of these and of [`ON_REQUEST`].
 const ALWAYS: [&str; 3] = ["laser_duty_open", "laser_lsr_analog", "laser_lsr_frequency"];
 const IN_TURN: [&str; 4] = ["arcs", "interrupt", "jog_trap", "override"];
-/// Ten minutes of emulation and more in all.
+/// 20 minutes of emulation in all.
 const ON_REQUEST: [&str; 16] = [
     "eight_axes_stream",
     "follow_ex",
