@@ -173,6 +173,28 @@ fn voltages_of_an_external_dac_are_typed_and_judged() {
     }
 }
 
+/// An answer that is no number ends the program, and leaves no voltage.
+#[test]
+fn an_answer_that_is_no_voltage_leaves_the_outputs_at_0() {
+    let Some(board) = started("BEAMTICK_H743_DAC_IMAGE", NUCLEO, None) else { return };
+    let does = |machine: &mut Machine, _: &str| {
+        machine.run(5 * MILLISECOND);
+        let high = shown_up_to(&machine.chip, pin("PC11"), 50).iter().any(|(.., code)| *code > MID_SCALE);
+        if high { "much".to_owned() } else { "0 V".to_owned() }
+    };
+    let mut hands = Script { board: board.clone(), does };
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.md");
+    let failed = bring_up_by_hand(&mut hands, &["--hands", "dac", "--page", page.to_str().unwrap()]).unwrap_err();
+    assert!(matches!(failed, Failure::Input(said) if said == "--hands: much is no voltage"));
+    let mut board = lock(&board);
+    board.run(5 * MILLISECOND);
+    let shown = shown_up_to(&board.chip, pin("PC11"), 50);
+    let last =
+        |of: usize| shown.iter().rev().find(|(_, output, _)| *output == of).map_or(MID_SCALE, |(.., code)| *code);
+    assert_eq!([last(0), last(1)], [MID_SCALE; 2]);
+}
+
 /// `--answers` of this board over USB, or over its UART.
 fn answers(board: &Shared, of: &str, usb: bool, row: &str) -> (String, String) {
     let link = if usb { EmulatedLink::over_usb(board.clone()) } else { EmulatedLink::new(board.clone()) };

@@ -308,7 +308,7 @@ fn the_bring_up_program_names_the_jumpers_of_its_page() {
             (from.to_owned(), words(ends).map(str::to_owned).collect())
         })
         .collect();
-    assert_eq!(named.len(), 9);
+    assert_eq!(named.len(), 12);
     assert_eq!(named, jumpers());
 }
 

@@ -120,17 +120,24 @@ fn dac(hands: &mut dyn Hands) -> Result<Figures, Failure> {
         client.call_items(SetDac { core: 1.into(), dac: output.into(), count: 1.into() }, &[code])
     };
     let mut figures = Figures::default();
-    for output in 1..=2i16 {
-        for volts in [0, 5, 10] {
-            set(output, volts)?;
-            let said = hands.ask(&format!("Measure analog output {output}. How many volts?"))?;
-            let Ok(is) = said.trim_end_matches(['V', 'v', ' ']).replace(',', ".").parse::<f64>() else {
-                set(output, 0)?;
-                return Err(Failure::Input(format!("--hands: {said} is no voltage")));
-            };
-            figures.add("dac", vec![output.into(), volts * 1000, (is * 1e3).round() as i64]);
+    let mut measured = || -> Result<(), Failure> {
+        for output in 1..=2i16 {
+            for volts in [0, 5, 10] {
+                set(output, volts)?;
+                let said = hands.ask(&format!("Measure analog output {output}. How many volts?"))?;
+                let Ok(is) = said.trim_end_matches(['V', 'v', ' ']).replace(',', ".").parse::<f64>() else {
+                    return Err(Failure::Input(format!("--hands: {said} is no voltage")));
+                };
+                figures.add("dac", vec![output.into(), volts * 1000, (is * 1e3).round() as i64]);
+            }
+            set(output, 0)?;
         }
-        set(output, 0)?;
-    }
+        Ok(())
+    };
+    let outcome = measured();
+    // However it ends, no voltage is left.
+    let rests = (1..=2).try_for_each(|output| set(output, 0).map(drop));
+    outcome?;
+    rests?;
     Ok(figures)
 }
