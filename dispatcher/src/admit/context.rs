@@ -285,6 +285,15 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
         let is_next = self.due.until_ns < self.view.period.0;
         if is_next { runs && (aside || Crd::all().any(may)) } else { runs && aside || Crd::all().any(may) }
     }
+    /// The planned position at which this command finds an axis that is at standstill then. None
+    /// while only the tick knows it: also while a path is at work that may set the axis off before.
+    pub fn position(&self, axis: Axis) -> Option<Pos> {
+        let may = |crd: Crd| {
+            let shadow = self.crd_shadow(crd);
+            shadow.beside.has(axis) && shadow.is_busy(self.view, self.crd_sampled(crd))
+        };
+        if Crd::all().any(may) { None } else { self.shadow(axis).position(self.view, self.sampled(axis)) }
+    }
     /// Refuses if the axis may be moving.
     pub fn at_standstill(&self, axis: Axis) -> Admitted<()> {
         if self.may_run(axis) { Err(self.no(Reason::Moving, axis)) } else { Ok(()) }

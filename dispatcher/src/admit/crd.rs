@@ -105,7 +105,7 @@ pub fn set<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdPrm) -> Adm
         let number = axis.index() - usize::from(frame.first);
         *start = frame.origin.get(number).copied().unwrap_or(0);
         if frame.set_origin {
-            let pos = context.shadow(axis).position(context.view, context.sampled(axis));
+            let pos = context.position(axis);
             here = here.zip(pos).map(|(mut position, pos)| {
                 let [at, ..] = position_of(&[Pos(pos.0.wrapping_sub(Pos::pulses(*start).0)); DIMENSIONS]);
                 position.iter_mut().skip(coordinate).take(1).for_each(|position| *position = at);
@@ -153,7 +153,7 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
     for ((axis, sampled_zero), position) in frame.axes().into_iter().zip(sampled.origin).zip(&mut position) {
         let Some(axis) = axis else { continue };
         let of = context.shadow(axis);
-        let pos = of.position(context.view, context.sampled(axis))?;
+        let pos = context.position(axis)?;
         let zero = if frame.set_origin {
             Pos::pulses(frame.origin.get(axis.index() - usize::from(frame.first)).copied().unwrap_or(0))
         } else if is_framed || of.placed.is_none_or(|(seq, _)| executed(context.view, seq)) {

@@ -482,6 +482,16 @@ impl Axis {
         Fix::of_f64(2f64.powi(-21) * acc.abs() / v.abs())
     }
 
+    /// Whether a part of its motion begins at an instant.
+    pub fn is_at_knot(&self, at: Fix) -> bool {
+        match &self.motion {
+            Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) => {
+                timed.is_at_knot(at)
+            }
+            Some(Motion::Slave(_)) | None => false,
+        }
+    }
+
     pub fn smooth_stop(&mut self, now_ns: i64, dec: f64) {
         self.leave();
         // A slave without speed is at standstill on the next tick.

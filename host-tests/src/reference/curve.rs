@@ -147,6 +147,10 @@ impl Curve {
         near.map(|knot| (self.slope(knot, true) - self.slope(knot, false)).abs()).max().unwrap_or(Fix::ZERO)
     }
 
+    pub fn has_knot_near(&self, u: Fix, apart: Fix) -> bool {
+        self.pieces.iter().any(|piece| (piece.from - u).abs() < apart || (piece.to - u).abs() < apart)
+    }
+
     /// The second derivative from `u` on; none within rounding of a knot that is not exactly there.
     pub fn curvature(&self, u: Fix) -> Option<Fix> {
         let near = |knot: Fix| u != knot && (u - knot).abs() < Fix(1 << 46);

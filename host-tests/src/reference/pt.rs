@@ -190,4 +190,9 @@ impl Timed {
     pub fn velocity(&self, at: Fix) -> Fix {
         self.curve.slope(self.place(at), true)
     }
+
+    /// Whether another part of the curve begins at an instant, or within rounding of it.
+    pub fn is_at_knot(&self, at: Fix) -> bool {
+        self.curve.has_knot_near(self.place(at), DOUBT)
+    }
 }

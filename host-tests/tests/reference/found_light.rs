@@ -102,3 +102,14 @@ fn an_off_while_a_path_brakes_for_an_interlock() {
         }
     }
 }
+
+/// ClrSts of an axis without an alarm, in a coordinate system beside that of an axis with one: the
+/// cause is there yet, and light stays refused.
+#[test]
+fn a_clear_beside_an_axis_with_an_alarm() {
+    let alarm = Call::Terminal { kind: 2, axis: 0, level: true };
+    let set =
+        |crd: i16, axes: Vec<usize>| path(Path::Set { crd, axes, vel: 58.0, acc: 13.0, even_ms: 0, origin: None });
+    let calls = [alarm, set(1, vec![0, 1]), set(2, vec![2, 3]), Call::Sleep { ns: 4 * MS }, plain(Kind::ClrSts, 3)];
+    is_open(250, &calls, "a clear of light while an alarm is there");
+}

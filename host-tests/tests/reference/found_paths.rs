@@ -550,3 +550,32 @@ fn a_move_at_the_start_of_a_path_and_an_interlock() {
         agrees(tick_us, &calls);
     }
 }
+
+/// A path at work for the tick had yet to set an axis off. A SetCrdPrm of that axis after the wait
+/// for it took the arc to begin where the axis had been before.
+#[test]
+fn an_arc_of_an_axis_that_another_path_has_moved() {
+    let set = |crd: i16, axes: Vec<usize>, origin: Option<Vec<i32>>| {
+        path(Path::Set { crd, axes, vel: 40.0, acc: 11.0, even_ms: 0, origin })
+    };
+    let arc = |radius: f64| {
+        let (round, speeds) = (Cycle::Radius(radius), Speeds { vel: 10.3, acc: 3.4, end: 0.0 });
+        path(Path::Arc { crd: 2, plane: Plane::XY, to: [0, -48], round, ccw: true, speeds, fifo: 1 })
+    };
+    for origin in [None, Some(vec![-54, -6])] {
+        // Seen from where the axis was, the first radius is enough.
+        for radius in [48.5, 90.0] {
+            for (modal, tick_us) in [(0, 1000), (1, 1000), (1, 250)] {
+                let mut calls: Vec<_> = [0, 1, 2, 3].map(|axis| plain(Kind::AxisOn, axis)).into();
+                calls.extend([set(1, vec![2, 3], None), Call::Sleep { ns: 4 * MS }]);
+                calls.push(path(Path::Move { crd: 1, axis: 1, to: 81, vel: 58.6, acc: 0.54, modal, fifo: 0 }));
+                calls.push(line(vec![20, 3]));
+                calls.extend([path(Path::Start { mask: 1, option: 0 }), Call::WaitStop { mask: 8 }]);
+                calls.extend([Call::WaitStop { mask: 2 }, Call::Sleep { ns: 4 * MS }]);
+                calls.extend([set(2, vec![1, 0], origin.clone()), arc(radius)]);
+                calls.extend([path(Path::Start { mask: 2, option: 2 }), Call::Sleep { ns: 50 * MS }]);
+                agrees(tick_us, &calls);
+            }
+        }
+    }
+}

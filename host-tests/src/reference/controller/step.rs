@@ -42,10 +42,13 @@ impl Controller {
             let times = [Fix::ms(before), Fix::ms(now)];
             let lead = master.map(|master| self.lead(filter.as_ref(), master, &times, &place));
             // A controller has few slots for a master's motion in a tick: between the first and the
-            // last of several knots it is linear for the slaves. Where a Stop or an Update of the
-            // master acts is a knot, too.
+            // last of several knots it is linear for the slaves. A knot on the tick, and where a Stop
+            // or an Update of the master acts, counts, too.
             let follows = was_slave && !began;
-            let most = if master.is_some_and(|master| self.axes[master.axis].replanned) { 3 } else { 4 };
+            let most = match master.map(|master| &self.axes[master.axis]) {
+                Some(of) if of.replanned || of.is_at_knot(Fix::ms(now)) => 3,
+                _ => 4,
+            };
             if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > most && turns(lead.track)) {
                 open = Some("a master that turns between several knots in a tick");
             }
