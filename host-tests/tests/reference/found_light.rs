@@ -1,4 +1,4 @@
-//! Programs on which the reference was wrong about lasers, and the controller was right.
+//! Programs of lasers in which the controller and the reference once differed.
 use super::found::{MS, agrees, frame, gus, is_open, line, path, plain};
 use super::judge::{Tally, finding};
 use host_tests::reference::{Call, Command, Effect, Family, Kind, LightCall, LightOf, LightTable, Path, Setup, Speeds};
@@ -112,4 +112,34 @@ fn a_clear_beside_an_axis_with_an_alarm() {
         |crd: i16, axes: Vec<usize>| path(Path::Set { crd, axes, vel: 58.0, acc: 13.0, even_ms: 0, origin: None });
     let calls = [alarm, set(1, vec![0, 1]), set(2, vec![2, 3]), Call::Sleep { ns: 4 * MS }, plain(Kind::ClrSts, 3)];
     is_open(250, &calls, "a clear of light while an alarm is there");
+}
+
+/// An entry of one coordinate system chooses the speed, planned or of encoders, that a channel
+/// follows of another one, which has taken its step of that tick: the channel had the speed 0 for a
+/// tick, and the encoders' filter began a tick late.
+#[test]
+fn a_speed_of_another_path_is_followed_from_the_entry_on() {
+    for (follows, enters) in [(1, 2), (2, 1)] {
+        for encoder in [true, false] {
+            let set = |crd: i16, axes: Vec<usize>| {
+                path(Path::Set { crd, axes, vel: 40.0, acc: 11.0, even_ms: 0, origin: None })
+            };
+            let to = |crd: i16, to: [i32; 2], end: f64| {
+                path(Path::Line { crd, to: to.into(), speeds: Speeds { vel: 9.7, acc: 2.3, end }, fifo: 0 })
+            };
+            let entry = |crd, command| path(Path::Laser { crd, channel: 0, command, fifo: 0 });
+            let mut calls: Vec<_> = [0, 1, 2, 3].map(|axis| plain(Kind::AxisOn, axis)).into();
+            calls.extend([light(LightOf::Connector(true)), light(LightOf::Carrier(20.0))]);
+            calls.extend([set(1, vec![0, 1]), set(2, vec![2, 3]), Call::Sleep { ns: 4 * MS }]);
+            calls.push(entry(follows, Command::Source { encoder: !encoder, start: None }));
+            calls.push(entry(follows, Command::Ratio([4.0, 3.0, 90.0])));
+            calls.extend([entry(follows, Command::Gate(true)), to(follows, [150, 40], 0.0), to(enters, [31, 9], 5.0)]);
+            calls.push(entry(enters, Command::Source { encoder, start: None }));
+            calls.extend([to(enters, [90, 40], 0.0), path(Path::Start { mask: 3, option: 0 })]);
+            calls.push(Call::Sleep { ns: 40 * MS });
+            for tick_us in [250, 500, 1000] {
+                agrees(tick_us, &calls);
+            }
+        }
+    }
 }

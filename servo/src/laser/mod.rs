@@ -210,7 +210,7 @@ state! {
     ///
     /// In each tick, in this order: changes, link, starts and Stops of paths; events of paths
     /// ([`Lasers::buffered`], [`Lasers::crd_is_at_standstill`]) at any instants of the coming
-    /// interval; their speeds ([`Lasers::feed`]); [`Lasers::run`].
+    /// interval; their speeds ([`Lasers::feed_planned`]); [`Lasers::run`].
     #[derive(Debug)]
     pub(crate) struct Lasers {
         pub(crate) clock: Clock = clock,
@@ -388,12 +388,15 @@ impl Lasers {
         self.channels.iter().any(|channel| channel.follows_encoders(crd))
     }
 
-    /// The speed of a path in the interval that is planned next ([`crate::path::Path::mean`]), and
-    /// that of its encoders in the last one ([`PathSpeed::measured`]). Speeds that are not fed are
-    /// 0.
-    pub(crate) fn feed(&mut self, crd: Crd, planned: PathSpeed, encoder: PathSpeed) {
-        self.speeds.put(PathSpeeds::index(crd, false), planned);
-        self.speeds.put(PathSpeeds::index(crd, true), encoder);
+    /// The speed of a path in the interval that is planned next ([`crate::path::Path::mean`]). A
+    /// speed that is not fed is 0.
+    pub(crate) fn feed_planned(&mut self, crd: Crd, speed: PathSpeed) {
+        self.speeds.put(PathSpeeds::index(crd, false), speed);
+    }
+
+    /// The speed of its encoders in the last interval ([`PathSpeed::measured`]).
+    pub(crate) fn feed_measured(&mut self, crd: Crd, speed: PathSpeed) {
+        self.speeds.put(PathSpeeds::index(crd, true), speed);
     }
 
     /// A cause that is over as soon as it is reported.

@@ -7,7 +7,7 @@ use super::effects::PathEffects;
 use super::path_soft_limits::is_free;
 use super::{Clearance, CrdState, Halt};
 use crate::axis::AxisState;
-use crate::laser::{Cause, FollowedSpeeds, PathSpeed};
+use crate::laser::{Cause, FollowedSpeeds};
 use crate::path::{EntryStore, FifoEnds, PathPos, PathReport, PathStop};
 use crate::segment::piece::Scaled;
 use crate::tick::hand_overs::HandOvers;
@@ -162,6 +162,10 @@ impl<const AXES: usize> Tick<AXES> {
             if result != StepResult::Over
                 && let Some(now) = self.finish_step(crd, result, next, hand_overs)
             {
+                if now != wants {
+                    let before = CrdMask(running.0 & crd.mask().0.wrapping_sub(1));
+                    self.feed_earlier(before, wants, now, next);
+                }
                 wants = now;
                 continue;
             }
@@ -171,11 +175,7 @@ impl<const AXES: usize> Tick<AXES> {
             } else if wants.planned.has(crd)
                 && let Some(state) = self.crds.get(crd)
             {
-                self.lasers.feed(
-                    crd,
-                    state.path.mean(&state.published.motion, next, self.period),
-                    PathSpeed::STANDSTILL,
-                );
+                self.lasers.feed_planned(crd, state.path.mean(&state.published.motion, next, self.period));
             }
         }
     }
@@ -328,9 +328,8 @@ impl<const AXES: usize> Tick<AXES> {
     fn feed_lasers(&mut self, crd: Crd, next: Ns, wants: FollowedSpeeds, measures: bool) {
         let period = self.period;
         let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
-        let (mut planned, mut encoder) = (PathSpeed::STANDSTILL, PathSpeed::STANDSTILL);
         if wants.planned.has(crd) {
-            planned = state.path.mean(&state.published.motion, next, period);
+            self.lasers.feed_planned(crd, state.path.mean(&state.published.motion, next, period));
         }
         if measures {
             let mapped = state.published.frame.map_or([None; 4], |frame| frame.axes);
@@ -340,9 +339,25 @@ impl<const AXES: usize> Tick<AXES> {
             });
             // Also one that no channel follows yet: an entry within the coming interval may begin a
             // follow.
-            encoder = state.encoders.step(gone, (next, period), self.lasers.follows_encoders(crd));
+            let follows = self.lasers.follows_encoders(crd);
+            self.lasers.feed_measured(crd, state.encoders.step(gone, (next, period), follows));
         }
-        self.lasers.feed(crd, planned, encoder);
+    }
+
+    /// Passes the speeds of paths that have taken their step, and that an entry of another path
+    /// makes a channel follow.
+    #[inline(never)]
+    fn feed_earlier(&mut self, crds: CrdMask, before: FollowedSpeeds, now: FollowedSpeeds, next: Ns) {
+        let more = |now: CrdMask, before: CrdMask| CrdMask(now.0 & !before.0);
+        let wants =
+            FollowedSpeeds { planned: more(now.planned, before.planned), encoder: more(now.encoder, before.encoder) };
+        for crd in crds.crds() {
+            let Some(state) = self.crds.get(crd).filter(|state| state.path.runs()) else { continue };
+            let measures = wants.encoder.has(crd) && !state.encoders.used;
+            if wants.planned.has(crd) || measures {
+                self.feed_lasers(crd, next, wants, measures);
+            }
+        }
     }
 
     /// Releases geared axes, whose motion has ended.
