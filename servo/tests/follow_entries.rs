@@ -100,6 +100,48 @@ fn a_delay_on_a_curve_of_the_master() {
     assert!(checked > 900);
 }
 
+/// A master comes to rest in a tick in which a piece of its motion begins and ends: where a delay
+/// ends after that begin, the path counts as straight up to the tick. It counted as over.
+#[test]
+fn a_delay_that_ends_while_its_master_brakes_within_the_tick() {
+    let mut between = 0;
+    for cycles in 13..=20 {
+        let mut bench = Bench::prepared(1000, MotionMode::FollowEx);
+        bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::Trap });
+        bench.follows(1, 0, MasterPosition::Planned);
+        bench.follow(1, 0, &[Item::Delay(cycles), Item::Data(100.0, 50.0, 1, 0)]);
+        let (acc, dec, zero) = (0.775, 4.4, speed(0.0));
+        let prm = TickCommand::TrapPrm {
+            axis: axis(0),
+            acc: accel(acc),
+            dec: accel(dec),
+            vel_start: zero,
+            smooth: servo::units::Ns(0),
+        };
+        bench.now(prm);
+        bench.now(TickCommand::TargetSpeed { axis: axis(0), speed: speed(99.0) });
+        bench.now(TickCommand::TargetPosition { axis: axis(0), pulses: 8 });
+        bench.start_follow(&[1]);
+        bench.now(TickCommand::Update { axes: all(&[0]) });
+        let peak = (8.0 / (0.5 / acc + 0.5 / dec)).sqrt();
+        let (brakes, rests) = (peak / acc, peak / acc + peak / dec);
+        assert!(brakes > 4.0 && rests < 5.0);
+        let ends = cycles as f64 / 4.0;
+        let master = if ends < brakes {
+            acc * ends * ends / 2.0
+        } else {
+            let at = acc * brakes * brakes / 2.0;
+            at + (8.0 - at) * (ends - brakes) / (5.0 - brakes)
+        };
+        between += u32::from(ends > brakes && ends < 5.0);
+        let view = bench.ticks(12);
+        assert_eq!(view.axes[0].pos, Pos::pulses(8));
+        let (slave, due) = (pulses(view.axes[1].pos), 0.5 * (8.0 - master));
+        assert!((slave - due).abs() < 2e-5, "{cycles} cycles: {slave} for {due}");
+    }
+    assert_eq!(between, 3);
+}
+
 #[test]
 fn a_wait_goes_on_with_the_sample_that_ends_it() {
     let items = [

@@ -219,6 +219,11 @@ impl Piece {
         Pos(self.start.0.wrapping_add(to_pos(s, self.motion.frac)))
     }
 
+    /// Whether its whole way ends at `pos`, to 2⁻¹⁶ pulse.
+    pub fn ends_at(&self, pos: Pos) -> bool {
+        self.pos_at(Piece::END).0.abs_diff(pos.0) < 1 << (Pos::FRAC_BITS - 16)
+    }
+
     /// The motion at parameter `tau`, for readers.
     #[inline(always)]
     pub fn motion(&self, tau: u64) -> Motion {

@@ -119,6 +119,11 @@ impl Axis {
             self.times.push(when);
             self.track.push(place);
         }
+        if ended && self.times.last().is_some_and(|end| *end < to) {
+            // It stands for the rest of the tick.
+            self.times.push(to);
+            self.track.extend(self.track.last().copied());
+        }
         self.x = *self.track.last().expect("where it was");
         if self.track.len() == 1 {
             self.times.push(Fix::ZERO);

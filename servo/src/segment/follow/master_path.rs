@@ -138,7 +138,8 @@ impl<'a> MasterPath<'a> {
             let rests = piece.span == u64::MAX;
             if left > 0 {
                 path.turns(before, now, Ns(now.0.wrapping_add(left as u64)), 1);
-                let joined = rests || left == entered;
+                // A motion's end counts at its instant, not at the tick at which it was seen.
+                let joined = left == entered || rests && before.ends_at(piece.start);
                 let end = if joined { piece.start } else { before.at(before.span.saturating_sub(1)).0 };
                 path.push((left as u64) << 32, at(end), 1);
             }
