@@ -116,6 +116,8 @@ pub struct Axis {
     pub renamed: bool,
     /// A Stop or an Update acts on the tick that is computed.
     pub replanned: bool,
+    /// Rounding decides more than a nanosecond of when the move that a path has sent it on ends.
+    pub end_is_doubtful: bool,
     /// Positions from the last tick to this one, and their instants, ms: `Fix::FAR` where they are
     /// unknown.
     pub track: Vec<Fix>,
@@ -246,6 +248,7 @@ impl Axis {
             zero: x,
             renamed: false,
             replanned: false,
+            end_is_doubtful: false,
             track: vec![x, x],
             times: vec![Fix::ZERO; 2],
             past: None,
@@ -529,6 +532,8 @@ impl Axis {
             self.head_most = self.head_most.max(timed.curve.steepest);
         }
         let displacement = Fix::whole(to.into()) + self.zero - x;
+        // It stands where the move ends, but for rounding of this number.
+        let displacement = if displacement.abs() < Fix(1 << 20) { Fix::ZERO } else { displacement };
         let blur = ramp::blur(v, displacement, acc, acc);
         let acc = exact(acc);
         let curve = ramp::trap(v, displacement, &exact(vel), &acc, &acc);
@@ -539,6 +544,11 @@ impl Axis {
         let length = curve.length();
         self.brief |= length == Fix::ZERO;
         self.motion = Some(Motion::Ramp(Timed::new(curve, at, x).rounded(blur)));
+        let speed = (displacement.abs() * Fix::of(&acc)).to_f64().sqrt();
+        // A place within pulses, as a Stop leaves it, is known to 2⁻¹⁸ pulse.
+        let is_whole = (x - whole(x)).abs() < Fix(1 << 20);
+        let apart = if is_whole { 0.0 } else { self.slack.to_f64() + 2f64.powi(-18) };
+        self.end_is_doubtful = apart > 1e-6 * speed;
         at + length
     }
 

@@ -442,7 +442,7 @@ impl Crd {
         for gear in of.gears.iter_mut().filter(|gear| gear.base.is_none()) {
             let gone = super::Fix::of_f64(f64::from(gear.pulses) * (of.done / geometry.length()));
             let ratio = f64::from(gear.pulses).abs() / geometry.length();
-            gear.base = world.engage(gear.axis, ratio).map(|x| x - gone);
+            gear.base = world.engage(gear.axis, ratio, self.waited).map(|x| x - gone);
             if gear.base.is_none() {
                 self.unsaid = Some("a gear of an axis that must not move");
             }

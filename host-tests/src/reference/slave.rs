@@ -78,6 +78,8 @@ pub struct Slave {
     given: Option<(i64, (usize, Rational))>,
     /// An entry holds it, or was the last to hold it and nothing has moved it since.
     held: bool,
+    /// When what held it was over, in this tick.
+    since: Option<Fix>,
     /// What it is now: progress in the pass.
     place: Fix,
     /// FIFOs that a switch has emptied and nobody has seen to yet.
@@ -153,6 +155,7 @@ impl Slave {
             carried: Rational::zero(),
             given: None,
             held: false,
+            since: None,
             place: Fix::ZERO,
             emptied: Vec::new(),
             outputs: Vec::new(),
@@ -200,8 +203,8 @@ impl Slave {
     }
 
     /// What held it is over with the master here: the next item begins.
-    fn resume(&mut self, at: Fix) {
-        self.state = State::Runs;
+    fn resume(&mut self, at: Fix, since: Option<Fix>) {
+        (self.state, self.since) = (State::Runs, since);
         self.place = self.table.knots[self.next].0;
         self.began = self.along(at) - self.place;
         self.far = self.along(at);
@@ -210,11 +213,11 @@ impl Slave {
     /// Where it goes in a tick.
     pub fn step(&mut self, lead: &Lead, around: &Around, out: &mut Vec<Fix>) -> Outcome {
         let (Some(&first), Some(&last)) = (lead.track.first(), lead.track.last()) else { return Outcome::On };
-        (self.done, self.slack, self.timed) = (0, Fix::ZERO, false);
+        (self.done, self.slack, self.timed, self.since) = (0, Fix::ZERO, false, None);
         if let State::Listens { index, level, until } = self.state {
             let left = until.map(|until| until - lead.times[lead.times.len() - 1]);
             if (around.inputs >> (index - 1) & 1 == 1) == level {
-                self.resume(first);
+                self.resume(first, Some(lead.times[0]));
             } else if let Some(left) = left {
                 if left != Fix::ZERO && left.abs() < Fix(1 << 44) {
                     self.open = Some("a wait that times out with a tick");
@@ -293,7 +296,12 @@ impl Slave {
             let end = self.began + stop;
             if near(b - end) {
                 self.open = Some("the end of a pass");
-                if self.now.is_some() || entry.is_some_and(|entry| matches!(self.items[entry], Item::Output { .. })) {
+                let counts = |entry: usize| match self.items[entry] {
+                    Item::Delay { .. } => b != end,
+                    Item::Output { .. } => true,
+                    _ => false,
+                };
+                if self.now.is_some() || entry.is_some_and(counts) {
                     self.doubt("an entry that a master reaches within rounding of a tick");
                 }
             }
@@ -367,6 +375,12 @@ impl Slave {
 
     /// When the master was here on a leg, ms.
     fn when(&mut self, at: Fix, leg: &Leg, lead: &Lead) -> Fix {
+        if let Some(since) = self.since.filter(|_| self.held) {
+            return since;
+        }
+        if leg.begin != Fix::FAR && at == leg.from {
+            return leg.begin;
+        }
         if leg.end != Fix::FAR && (leg.begin == leg.end || at == leg.to) {
             return leg.end;
         }
@@ -413,7 +427,7 @@ impl Slave {
             self.doubt("an instant on the way of a slave");
             return None;
         };
-        self.resume(at);
+        self.resume(at, Some(until));
         // 2⁻²⁰ ms of the master's way, which 2⁻²² pulse at a sixteenth of a pulse/ms make.
         self.slack += Fix(1 << 46) * self.table.curve.steepest * lead.velocity.abs();
         Some(at)
@@ -490,7 +504,7 @@ impl Slave {
             was_held = true;
         }
         if was_held {
-            self.resume(at);
+            self.resume(at, None);
         }
         let ratio = if was_held { Rational::zero() } else { self.table.curve.slope(self.place, true).rational() };
         if !was_held && self.place != Fix::ZERO {

@@ -42,8 +42,8 @@ struct Others<'a> {
     before: Fix,
     /// synVelMax.
     speed: f64,
-    /// How far the path may be from here.
-    slack: f64,
+    /// By how many ms the path may be from here, beside its waits.
+    late: f64,
     axes: &'a mut [Box<Axis>],
     /// Those that set off in this tick.
     early: &'a mut Vec<usize>,
@@ -76,6 +76,9 @@ impl World for Others<'_> {
             *self.open = Some("a path that waits for a move begun at speed");
         }
         let ends = axis.travel(self.before, Fix::of_f64(at), to.to, [to.vel, to.acc]);
+        if to.waits && axis.end_is_doubtful {
+            *self.open = Some("a path that waits for a move whose end depends on rounding");
+        }
         Some(ends.to_f64())
     }
 
@@ -83,7 +86,9 @@ impl World for Others<'_> {
         self.early.push(axis);
     }
 
-    fn engage(&mut self, axis: usize, ratio: f64) -> Option<Fix> {
+    fn engage(&mut self, axis: usize, ratio: f64, waited: u32) -> Option<Fix> {
+        // The end of a move that it waits for is known to 5 ns.
+        let slack = self.speed * (self.late + 5e-6 * f64::from(waited));
         let of = &mut self.axes[axis];
         if !of.geared {
             // Also where a call of just now keeps it from moving.
@@ -98,7 +103,7 @@ impl World for Others<'_> {
         of.path_most = of.path_most.max(Fix::of_f64(ratio * self.speed));
         // The way along the path has 2⁻²² pulse: an axis that is geared up by more than 64 is not
         // known to 2⁻¹⁶ pulse.
-        of.late = Fix::of_f64(ratio * (2f64.powi(-22) + self.slack));
+        of.late = Fix::of_f64(ratio * (2f64.powi(-22) + slack));
         (of.geared, of.driven, of.crd) = (true, true, Some(self.name));
         let track = of.carried.get_or_insert_with(|| vec![(self.before, of.x)]);
         track.last().map(|last| last.1)

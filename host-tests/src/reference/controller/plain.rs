@@ -21,7 +21,8 @@ impl Controller {
         match kind {
             Kind::AxisOn => axis.servo = true,
             Kind::AxisOff => {
-                if axis.driven {
+                let of = |crd: &super::super::crd::Crd| crd.started_here && crd.moves() >> place & 1 == 1;
+                if axis.driven || self.crds.values().any(of) {
                     self.open = Some("AxisOff of an axis on a path");
                 }
                 let fault = axis.light_crd().filter(|_| axis.servo).map(|crd| Act::Fault(crd, SERVO_OFF));

@@ -6,8 +6,8 @@ pub trait World {
     /// An axis sets off; when it will be there. None: it must not move.
     fn travel(&mut self, at: f64, to: &Move) -> Option<f64>;
     /// An axis is geared to a motion from now on, and goes so many pulses for one of the path;
-    /// where it is. None: it must not move.
-    fn engage(&mut self, axis: usize, ratio: f64) -> Option<super::super::Fix>;
+    /// where it is. The path has waited for so many moves. None: it must not move.
+    fn engage(&mut self, axis: usize, ratio: f64, waited: u32) -> Option<super::super::Fix>;
     /// Whether an axis moves is open.
     fn may_move(&mut self, axis: usize);
     /// Where a geared axis is at an instant; whether its motion ends there.
@@ -22,7 +22,7 @@ impl World for Nobody {
         Some(at)
     }
 
-    fn engage(&mut self, _: usize, _: f64) -> Option<super::super::Fix> {
+    fn engage(&mut self, _: usize, _: f64, _: u32) -> Option<super::super::Fix> {
         Some(super::super::Fix::ZERO)
     }
 

@@ -441,7 +441,7 @@ impl FollowRun {
     /// `section`.
     fn settle<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        section: &Section,
+        section: &mut Section,
         context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
         if let Some(gear) = self.gear() {
@@ -473,7 +473,7 @@ impl FollowRun {
     fn act<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         index: u32,
-        section: &Section,
+        section: &mut Section,
         context: &mut FollowContext<S, L>,
     ) -> bool {
         let entry = context.source.entry(self.fifo, index);
@@ -485,13 +485,11 @@ impl FollowRun {
         let reached = ceil(self.began.wrapping_add(knot));
         self.done = index.wrapping_add(1);
         self.floor = (self.pass, self.done);
-        let when = || {
-            let pos = Pos(if self.down { reached.wrapping_neg() } else { reached });
-            context.base.wrapping_add(
-                section.when(pos.clamp(section.from.pos.min(section.to.pos), section.from.pos.max(section.to.pos)))
-                    as FineNs,
-            )
-        };
+        let base = context.base;
+        let (from, to) = (section.from.pos, section.to.pos);
+        let reached_at =
+            Pos(if self.down { reached.wrapping_neg() } else { reached }).clamp(from.min(to), from.max(to));
+        let when = |section: &Section| base.wrapping_add(section.when(reached_at) as FineNs);
         match entry.action() {
             QueueEntry::Output { group, bit, high } => {
                 if let Some(position) = context.actions.outputs.get_mut(context.actions.done.wrapping_sub(1)) {
@@ -503,7 +501,7 @@ impl FollowRun {
                 if cycles == 0 {
                     return false;
                 }
-                let until = when().wrapping_add(DELAY_CYCLE.wrapping_mul(cycles as FineNs));
+                let until = when(section).wrapping_add(DELAY_CYCLE.wrapping_mul(cycles as FineNs));
                 self.wait = Wait::Until(until);
             }
             QueueEntry::Wait { input, index, high, timeout_ms } => {
@@ -511,8 +509,8 @@ impl FollowRun {
                 if (context.level)(input, index) == high {
                     return false;
                 }
-                let until =
-                    (timeout_ms != 0).then(|| when().wrapping_add(FINE_NS_PER_MS.wrapping_mul(timeout_ms as FineNs)));
+                let until = (timeout_ms != 0)
+                    .then(|| when(section).wrapping_add(FINE_NS_PER_MS.wrapping_mul(timeout_ms as FineNs)));
                 self.wait = Wait::Input { input, index, high, until };
             }
             QueueEntry::Switch(Method::Segment) => {
@@ -535,8 +533,9 @@ impl FollowRun {
         if let Wait::Until(until) = self.wait {
             let after = until.saturating_sub(context.base);
             if after <= section.to.after as FineNs {
-                let pos = section.at(after as u64);
-                self.resume(pos, context);
+                let after = after as u64;
+                section.from = TimedPosition { after, pos: section.at(after) };
+                self.resume(section.from.pos, context);
                 let progress = self.directed(section.to.pos);
                 if self.both || progress > self.furthest {
                     (self.progress, self.furthest) = (progress, progress);

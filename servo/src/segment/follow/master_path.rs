@@ -257,6 +257,9 @@ impl Section<'_> {
 
     /// The time since the tick in force at which the master is at `pos`, which lies in the section.
     pub(super) fn when(&self, pos: Pos) -> u64 {
+        if pos == self.from.pos {
+            return self.from.after;
+        }
         if pos == self.to.pos {
             return self.to.after;
         }

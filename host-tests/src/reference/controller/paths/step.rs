@@ -30,15 +30,15 @@ impl Controller {
             }
             let (mut early, mut open) = (Vec::new(), None);
             let speed = of.set.as_ref().map_or(0.0, |set| set.frame.speed);
-            // Instants known to 5 ns, to a ns, or as an abrupt Stop has left them.
-            let slack = speed * (5e-6 * f64::from(of.waited) + if of.rated { 1e-6 } else { 0.0 } + of.blur);
+            // Instants known to a ns, or as an abrupt Stop has left them.
+            let late = if of.rated { 1e-6 } else { 0.0 } + of.blur;
             of.run(
                 ms(now),
                 &mut Others {
                     name: *name,
                     before: Fix::ms(before),
                     speed,
-                    slack,
+                    late,
                     axes,
                     early: &mut early,
                     open: &mut open,

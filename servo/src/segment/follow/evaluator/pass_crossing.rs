@@ -19,7 +19,7 @@ impl FollowRun {
         named: i64,
         context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
-        let still = Section::still(now, to);
+        let mut still = Section::still(now, to);
         if self.wait == Wait::Start {
             match context.setup.event {
                 StartEvent::Start => {
@@ -27,7 +27,7 @@ impl FollowRun {
                     if let NextPiece::Prepared(prepared) = self.next {
                         self.next = NextPiece::Data;
                         self.enter_prepared(&prepared);
-                    } else if let Some(end) = self.settle(&still, context) {
+                    } else if let Some(end) = self.settle(&mut still, context) {
                         return Some(end);
                     }
                 }
@@ -46,7 +46,7 @@ impl FollowRun {
                 self.wait == Wait::No
             }
         };
-        if goes_on { self.settle(&still, context) } else { None }
+        if goes_on { self.settle(&mut still, context) } else { None }
     }
 
     /// The master moves along a section.
@@ -83,7 +83,7 @@ impl FollowRun {
             self.progress = progress;
             self.furthest = progress;
         }
-        self.settle(&section, context)
+        self.settle(&mut section, context)
     }
 
     /// The motion begins with the master at `pos`.
