@@ -15,6 +15,7 @@ mod link;
 mod list;
 mod planted;
 mod reference_board;
+mod states;
 mod survived;
 mod timing;
 
@@ -26,6 +27,7 @@ use light::LIGHT;
 use link::RING_AND_LINK;
 use list::{LIST, Mutant};
 use reference_board::REFERENCE_BOARD;
+use states::STATES;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
@@ -64,7 +66,7 @@ impl fmt::Display for Fate {
 
 /// Every mutant.
 fn all() -> impl Iterator<Item = &'static Mutant> {
-    [RING_AND_LINK, LIST, REFERENCE_BOARD, SURVIVED, FRONT_ENDS, LIGHT].into_iter().flatten()
+    [RING_AND_LINK, LIST, REFERENCE_BOARD, SURVIVED, FRONT_ENDS, LIGHT, STATES].into_iter().flatten()
 }
 
 /// Checks that every mutant's text is in its file exactly once.

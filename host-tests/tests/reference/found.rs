@@ -2,7 +2,7 @@
 use super::judge::{Tally, finding};
 use host_tests::path_model::Plane;
 use host_tests::reference::{
-    Call, Cycle, Datum, Family, Item, Kind, LightCall, LightOf, Path, PathCall, Setup, Speeds,
+    Call, Cycle, Datum, Effect, Family, Item, Kind, LightCall, LightOf, Path, PathCall, Setup, Speeds,
 };
 
 pub const MS: i64 = 1_000_000;
@@ -402,6 +402,42 @@ fn a_switch_after_a_delay_and_a_segment_within_a_tick() {
         calls.extend([Call::Update { mask: 2 }, Call::Sleep { ns: 30 * MS }]);
         for tick_us in [250, 1000] {
             agrees(tick_us, &calls);
+        }
+    }
+}
+
+/// What follows a wait or a delay directly begins at the very instant of its end, be that a tick or
+/// not. While its master moved, the next delay or time limit began a hair later, and ended a tick
+/// later.
+#[test]
+fn delays_and_waits_follow_one_another_without_a_gap() {
+    let wait = |index, ms| Call::FollowEntry { axis: 2, item: Item::Wait { index, level: true, ms }, fifo: 0 };
+    let delay = |cycles| Call::FollowEntry { axis: 2, item: Item::Delay { cycles }, fifo: 0 };
+    let high = |index| Call::Effect(Effect::SimInput { core: 1, index, level: true });
+    for vel in [-80.5, 0.7] {
+        for entries in [[wait(4, 60), wait(6, 20)], [wait(4, 60), delay(6)], [delay(3), delay(5)], [delay(1), delay(7)]]
+        {
+            let mut calls = vec![
+                plain(Kind::AxisOn, 1),
+                plain(Kind::AxisOn, 2),
+                ex(Call::PrfFollow { axis: 2, dir: if vel < 0.0 { -1 } else { 1 } }),
+                ex(Call::SetFollowMaster { axis: 2, master: 1, kind: 2, item: 0 }),
+            ];
+            calls.extend(entries);
+            calls.extend([
+                segment(2, if vel < 0.0 { -900.0 } else { 900.0 }, 300.0, 1, 0),
+                ex(Call::FollowStart { mask: 4, option: 0 }),
+                plain(Kind::PrfJog, 1),
+                Call::SetJogPrm { axis: 1, acc: 1.025, dec: 5.4 },
+                Call::SetVel { axis: 1, vel },
+                Call::Update { mask: 2 },
+                Call::Sleep { ns: MS + 391_282 },
+                high(4),
+                Call::Sleep { ns: 30 * MS },
+            ]);
+            for tick_us in [250, 500, 1000] {
+                agrees(tick_us, &calls);
+            }
         }
     }
 }

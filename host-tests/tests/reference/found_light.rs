@@ -115,8 +115,8 @@ fn a_clear_beside_an_axis_with_an_alarm() {
 }
 
 /// An entry of one coordinate system chooses the speed, planned or of encoders, that a channel
-/// follows of another one, which has taken its step of that tick: the channel had the speed 0 for a
-/// tick, and the encoders' filter began a tick late.
+/// follows of another one. That one had taken its step of the tick: its speed was 0 for a tick, and
+/// the encoders' filter began a tick late.
 #[test]
 fn a_speed_of_another_path_is_followed_from_the_entry_on() {
     for (follows, enters) in [(1, 2), (2, 1)] {

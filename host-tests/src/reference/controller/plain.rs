@@ -14,7 +14,8 @@ const ROUNDED: Fix = Fix(1 << 44);
 impl Controller {
     pub(super) fn plain(&mut self, index: usize, call: &Call, kind: Kind, place: usize) -> Answer {
         let crd = self.axes[place].light_crd();
-        // A channel may be mapped to the coordinate system of another axis, whose alarm is there yet.
+        // A channel may be mapped to the coordinate system of another axis, whose alarm is there
+        // yet.
         let alarmed = crd.is_some()
             && self.axes.iter().any(|axis| axis.is_alarmed() && (axis.light_crd().is_some() || axis.alarms.is_some()));
         let axis = &mut self.axes[place];

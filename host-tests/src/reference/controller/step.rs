@@ -42,8 +42,8 @@ impl Controller {
             let times = [Fix::ms(before), Fix::ms(now)];
             let lead = master.map(|master| self.lead(filter.as_ref(), master, &times, &place));
             // A controller has few slots for a master's motion in a tick: between the first and the
-            // last of several knots it is linear for the slaves. A knot on the tick, and where a Stop
-            // or an Update of the master acts, counts, too.
+            // last of several knots it is linear for the slaves. A knot on the tick counts, and so
+            // does where a Stop or an Update of the master acts.
             let follows = was_slave && !began;
             let most = match master.map(|master| &self.axes[master.axis]) {
                 Some(of) if of.replanned || of.is_at_knot(Fix::ms(now)) => 3,

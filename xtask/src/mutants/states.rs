@@ -1,0 +1,47 @@
+//! Mutants of hand-overs between motions, axes and paths: the faults that random programs found.
+use super::list::Mutant;
+
+const MOVED: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "an_arc_of_an_axis_that_another"];
+const SPEEDS: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "a_speed_of_another_path"];
+const GAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "delays_and_waits_follow"];
+const SWITCH: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "a_switch_after_a_delay"];
+const REST: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "a_delay_that_ends_while_its_master"];
+
+/// In the order of the list of programs in docs/evidence.md.
+pub const STATES: &[Mutant] = &[
+    Mutant {
+        name: "switch: after a delay and a segment of its tick it begins at the ratio 0",
+        file: "servo/src/segment/follow/evaluator.rs",
+        text: "if self.held && self.comes_after_segment(index, context) {",
+        broken: "if false && self.comes_after_segment(index, context) {",
+        test: SWITCH,
+    },
+    Mutant {
+        name: "arc: an axis is where it was before another path moved it",
+        file: "dispatcher/src/admit/context.rs",
+        text: "if Crd::all().any(may) { None }",
+        broken: "if false && Crd::all().any(may) { None }",
+        test: MOVED,
+    },
+    Mutant {
+        name: "follow: a speed of a path before this one is 0 for a tick",
+        file: "servo/src/tick/crd/drive.rs",
+        text: "if now != wants {",
+        broken: "if false && now != wants {",
+        test: SPEEDS,
+    },
+    Mutant {
+        name: "slave: a master that brakes within the tick is at its end where it begins to",
+        file: "servo/src/segment/follow/master_path.rs",
+        text: "left == entered || rests && before.ends_at(piece.start);",
+        broken: "left == entered || rests;",
+        test: REST,
+    },
+    Mutant {
+        name: "slave: a delay after a delay begins a hair late",
+        file: "servo/src/segment/follow/master_path.rs",
+        text: "        if pos == self.from.pos {\n            return self.from.after;\n        }\n",
+        broken: "",
+        test: GAPS,
+    },
+];
