@@ -22,9 +22,9 @@ const SCALE: Scale = Scale::of_mhz(TIMER_MHZ);
 
 /// Two ticks of 250 µs with cycles of 0.5 µs; 64 actions a tick, each of which may take one more;
 /// and the ends of ticks.
-const ENERGY_SLOTS: usize = 1152;
+pub const ENERGY_SLOTS: usize = 1152;
 /// Two ticks with 64 edges of either channel.
-const SWITCH_SLOTS: usize = 272;
+pub const SWITCH_SLOTS: usize = 272;
 /// Time that the start takes, in counts of the timers, with reserve.
 const START_COUNTS: u64 = 480;
 /// A compare value that no cycle reaches.
