@@ -30,8 +30,7 @@ pub fn start(bench: &mut Bench, report: &mut Report) {
     report.line("running", &bench.ran.map(i64::from));
 }
 
-/// Both switches and both energies begin with this train.
-pub fn light(bench: &mut Bench, at: u32, train: Train) {
+fn light(bench: &mut Bench, at: u32, train: Train) {
     for channel in 0..2 {
         bench.plan(channel, at, Action::Switch(true));
         bench.plan(channel, at, Action::Light(train));

@@ -118,7 +118,7 @@ pub unsafe fn open() -> Lasers {
 /// break that the tick has not read yet stays one.
 #[cold]
 #[inline(never)]
-fn reset() {
+pub fn reset() {
     let breaks = [TIM1, TIM15, TIM8].map(|timer| (timer, is_broken(timer)));
     RCC.apb2rstr().modify(|w| {
         w.set_tim1rst(true);

@@ -4,7 +4,7 @@
 //! begins takes longer than what goes on: so axes begin first, then paths or light, once what that
 //! made dark is cleared. Fails: a call that is refused.
 use super::loads::{Check, wait};
-use super::ticks::{self, Since};
+use super::ticks;
 use crate::Failure;
 use client::Client;
 use protocol::command::{
@@ -59,8 +59,9 @@ impl Load {
     }
 }
 
-/// A load begins, from the state after power-on. Returns from when on it is measured.
-pub fn begin(client: &Client, load: &Load, check: Check<'_>) -> Result<Since, Failure> {
+/// A load begins, from the state after power-on. Returns the overruns before what may go dark by
+/// one.
+pub fn begin(client: &Client, load: &Load, check: Check<'_>) -> Result<u32, Failure> {
     let core = 1.into();
     client.call(Reset { core })?;
     for axis in 1..=AXES {
@@ -80,10 +81,10 @@ pub fn begin(client: &Client, load: &Load, check: Check<'_>) -> Result<Since, Fa
         fill_paths(client)?;
     }
     wait(client, BEGINS_MS, check)?;
+    let before = ticks::overruns(client)?;
     for (_, channel) in LASERS {
         client.call(ClrLaserFault { core, channel: channel.into() })?;
     }
-    let since = Since::now(client)?;
     if load.paths {
         for crd in [1, 2] {
             client.call(CrdStart { core, mask: crd.into(), option: 0.into() })?;
@@ -93,12 +94,12 @@ pub fn begin(client: &Client, load: &Load, check: Check<'_>) -> Result<Since, Fa
         for (_, channel) in LASERS {
             match client.call(SetHSIOOpt { core, value: 1.into(), channel: channel.into() }) {
                 // A tick that overran keeps it dark.
-                Err(error) if ticks::overruns(client)? == since.overruns => return Err(error.into()),
+                Err(error) if ticks::overruns(client)? == before => return Err(error.into()),
                 _ => wait(client, BEGINS_MS, check)?,
             }
         }
     }
-    Ok(since)
+    Ok(before)
 }
 
 fn enable(client: &Client, axis: i16) -> Result<(), Failure> {
@@ -111,10 +112,10 @@ fn enable(client: &Client, axis: i16) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Both coordinate systems get lines of 2 ms, at 400 to 500 pulse/ms, and so of 0.6 s. The duty of
+/// Both coordinate systems get lines of 2 ms, at 400 to 500 pulse/ms, and so of 0.7 s. The duty of
 /// each laser changes in every tick.
 fn fill_paths(client: &Client) -> Result<(), Failure> {
-    const LINES: i32 = 300;
+    const LINES: i32 = 350;
     let (core, fifo) = (1.into(), 0.into());
     for (crd, channel, axes) in [(1i16, 0i16, 0), (2, 1, 2)] {
         let (crd, channel) = (crd.into(), channel.into());

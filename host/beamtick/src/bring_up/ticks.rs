@@ -32,23 +32,6 @@ pub struct Ticks {
     pub overran: u32,
 }
 
-/// From when on a load is measured.
-#[derive(Debug, Clone, Copy)]
-pub struct Since {
-    /// Overruns before that.
-    pub overruns: u32,
-}
-
-impl Since {
-    /// From now on.
-    pub fn now(client: &Client) -> Result<Since, Failure> {
-        let since = Since { overruns: overruns(client)? };
-        // The longest tick of before is taken away.
-        read(client)?;
-        Ok(since)
-    }
-}
-
 /// Ticks that overran since the board counts them.
 pub fn overruns(client: &Client) -> Result<u32, Failure> {
     Ok(client.call(ProgramStatus {})?.overruns.get())
@@ -74,16 +57,31 @@ impl Ticks {
         Ticks { counts: gained.collect(), ..self }
     }
 
-    /// Whether the running median has arrived where half of the ticks are: within a step of it.
-    pub fn is_settled(&self) -> bool {
+    /// The step of the histogram in which the median is.
+    fn median_step(&self) -> usize {
         let half = self.counts.iter().sum::<u32>() / 2;
         let mut below = 0;
-        let at = self.counts.iter().position(|count| {
+        let is_reached = |count: &u32| {
             below += count;
             below > half
-        });
-        let step = self.median_ns / self.bucket_ns.max(1);
-        at.is_some_and(|at| step.abs_diff(at as u32) <= 1)
+        };
+        self.counts.iter().position(is_reached).unwrap_or(self.counts.len())
+    }
+
+    /// Whether the running median has arrived where half of the ticks are: within a step of it.
+    pub fn is_settled(&self) -> bool {
+        let running = self.median_ns / self.bucket_ns.max(1);
+        self.median_step().abs_diff(running as usize) <= 1
+    }
+
+    /// The running median; until it has arrived, the end of the median's step, or the longest tick
+    /// where that has none.
+    fn typical_ns(&self) -> u32 {
+        match self.median_step() {
+            _ if self.is_settled() => self.median_ns,
+            step if step + 1 < self.counts.len() => (step as u32 + 1) * self.bucket_ns,
+            _ => self.worst_ns,
+        }
     }
 
     /// Whether a tick was longer than its period, or too late for what it queues.
@@ -95,7 +93,7 @@ impl Ticks {
 /// What became of a load at a tick.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
-    /// It ran; whether its light went dark.
+    /// It ran; whether a tick that overran made its light dark, maybe as it began.
     Ran(Ticks, bool),
     /// It did not: its median would be about so long, by longer ticks.
     TooLong {
@@ -106,7 +104,7 @@ pub enum Outcome {
     },
 }
 
-/// Period and median of runs without an overrun, the shortest period last.
+/// Period and median, at most, of runs without an overrun, the shortest period last.
 #[derive(Debug, Clone, Default)]
 pub struct Known(Vec<(u32, u32)>);
 
@@ -121,7 +119,7 @@ impl Known {
         if let Outcome::Ran(ticks, false) = outcome
             && !ticks.has_overrun()
         {
-            self.0.push((ticks.period_ns, ticks.median_ns));
+            self.0.push((ticks.period_ns, ticks.typical_ns()));
         }
     }
 
@@ -194,13 +192,12 @@ pub fn judged(outcome: &Outcome) -> (Fit, String) {
             (fit(false, *period_ns), figure)
         }
         Outcome::Ran(ticks, dark) => {
-            let overrun = match ticks.has_overrun() {
-                false => String::new(),
-                true => format!(
-                    "overrun: {} ticks were too long or too late{}; ",
-                    ticks.overran,
-                    if *dark { ", the lasers went dark" } else { "" }
-                ),
+            let overrun = match (ticks.has_overrun(), *dark) {
+                (false, false) => String::new(),
+                (true, false) => format!("overrun: {} ticks were too long or too late; ", ticks.overran),
+                (_, true) => {
+                    format!("overrun: the lasers went dark, {} ticks were too long or too late since; ", ticks.overran)
+                }
             };
             let histogram: Vec<String> = ticks
                 .counts
@@ -210,14 +207,15 @@ pub fn judged(outcome: &Outcome) -> (Fit, String) {
                 .map(|(step, count)| format!("{count} from {:.1} us", us(step as u32 * ticks.bucket_ns)))
                 .collect();
             let figure = format!(
-                "{overrun}median {}, worst {}, {:.0} % of {} us: {}",
-                time(ticks.median_ns),
+                "{overrun}median {}{}, worst {}, {:.0} % of {} us: {}",
+                if ticks.is_settled() { "" } else { "at most " },
+                time(ticks.typical_ns()),
                 time(ticks.worst_ns),
                 100.0 * f64::from(ticks.worst_ns) / f64::from(ticks.period_ns.max(1)),
                 us(ticks.period_ns),
                 histogram.join(", ")
             );
-            (fit(!ticks.has_overrun(), ticks.period_ns), figure)
+            (fit(!ticks.has_overrun() && !dark, ticks.period_ns), figure)
         }
     }
 }
@@ -228,7 +226,9 @@ mod tests {
 
     fn ran(period_ns: u32, median_ns: u32, worst_ns: u32, overran: u32) -> Outcome {
         let counts = vec![0, 90, 0, 0, 1, 0, 0];
-        Outcome::Ran(Ticks { period_ns, median_ns, worst_ns, bucket_ns: 2_000, counts, overran }, false)
+        // The median is settled.
+        let bucket_ns = if median_ns < 6_000 { 2_000 } else { median_ns / 2 };
+        Outcome::Ran(Ticks { period_ns, median_ns, worst_ns, bucket_ns, counts, overran }, false)
     }
 
     /// The longest is exact: a step of the histogram would end beyond the tick.
@@ -244,9 +244,12 @@ mod tests {
         assert_eq!(judged(&ran(50_000, 3_100, 50_001, 1)).0, Fit::Fail);
         assert_eq!(judged(&ran(50_000, 3_100, 50_000, 0)).0, Fit::Pass);
         let Outcome::Ran(ticks, _) = ran(50_000, 3_100, 50_001, 1) else { panic!() };
+        let began = Ticks { worst_ns: 4_000, overran: 0, ..ticks.clone() };
+        assert_eq!(judged(&Outcome::Ran(began, true)).0, Fit::Fail);
         let (fit, text) = judged(&Outcome::Ran(ticks, true));
         assert!(
-            fit == Fit::Fail && text.starts_with("overrun: 1 ticks were too long or too late, the lasers went dark; ")
+            fit == Fit::Fail
+                && text.starts_with("overrun: the lasers went dark, 1 ticks were too long or too late since; ")
         );
     }
 
@@ -281,6 +284,12 @@ mod tests {
             [3_000, 5_999, 6_000, 11_999, 12_000].map(|ns| ticks(ns).is_settled()),
             [false, false, true, true, false]
         );
-        assert!(!Ticks { bucket_ns: 2000, ..Ticks::default() }.is_settled());
+        // Until then its step's end is shown, and beyond the last step the longest tick.
+        let shown =
+            |ticks: Ticks| judged(&Outcome::Ran(Ticks { period_ns: 250_000, worst_ns: 77_000, ..ticks }, false)).1;
+        let text = shown(ticks(3_000));
+        assert!(text.starts_with("median at most 10.00 us (4800 cycles), worst 77.00 us"), "{text}");
+        let text = shown(Ticks { counts: vec![1, 9], ..ticks(30_000) });
+        assert!(text.starts_with("median at most 77.00 us (36960 cycles), worst 77.00 us"), "{text}");
     }
 }
