@@ -341,8 +341,8 @@ mod tests {
             moving |= axes.iter().any(|(status, _)| status & status::RUNNING != 0);
             let (lasers, _) = state(&client);
             assert!(lasers.iter().all(|(_, light)| *light == 0), "{end}: {lasers:?}");
-            // An axis that was reset is in position some cycles later.
-            client.sleep(Duration::from_millis(10)).unwrap();
+            // An axis that was reset at 1 MHz is in position some time later.
+            client.sleep(Duration::from_millis(200)).unwrap();
             let (_, axes) = state(&client);
             assert_eq!(statuses(&axes), power_on, "{end}");
         }

@@ -10,7 +10,7 @@ use client::Client;
 use protocol::command::{
     AlarmOff, AxisOn, BufLaserFollowRatio, BufLaserOn, ClrLaserFault, ClrSts, CrdClear, CrdStart, LaserOutFrq,
     LaserPrfCmd, LmtsOff, LnXY, PrfPvt, PvtPoint, PvtStart, PvtTable, PvtTableSelect, Reset, SetAxisMode, SetCrdPrm,
-    SetHSIOOpt, SetPvtLoop,
+    SetHSIOOpt, SetPvtLoop, SetStopDec,
 };
 use std::ops::Range;
 
@@ -108,6 +108,8 @@ fn enable(client: &Client, axis: i16) -> Result<(), Failure> {
     client.call(AlarmOff { core, axis })?;
     client.call(LmtsOff { core, axis, limit_type: (-1).into() })?;
     client.call(ClrSts { core, axis, count: 1.into() })?;
+    // At the end it is at standstill in 10 ms.
+    client.call(SetStopDec { core, profile: axis, smooth: 100.0.into(), abrupt: 100.0.into() })?;
     client.call(AxisOn { core, axis })?;
     Ok(())
 }
