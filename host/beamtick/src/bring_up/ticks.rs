@@ -156,7 +156,7 @@ pub enum Fit {
     /// One was not, where it must be.
     Fail,
     /// One was not, where nothing promises it.
-    DoesNotFit,
+    TooLong,
 }
 
 impl Fit {
@@ -165,7 +165,7 @@ impl Fit {
         match self {
             Fit::Pass => "pass",
             Fit::Fail => "**FAIL**",
-            Fit::DoesNotFit => "does not fit",
+            Fit::TooLong => "does not fit",
         }
     }
 }
@@ -184,7 +184,7 @@ pub fn judged(outcome: &Outcome) -> (Fit, String) {
     let fit = |fits: bool, period_ns: u32| match (fits, period_ns >= 1000 * MUST_FIT_US) {
         (true, _) => Fit::Pass,
         (false, true) => Fit::Fail,
-        (false, false) => Fit::DoesNotFit,
+        (false, false) => Fit::TooLong,
     };
     match outcome {
         Outcome::TooLong { period_ns, about_ns } => {
@@ -238,9 +238,9 @@ mod tests {
             "median 3.10 us (1488 cycles), worst 9.90 us (4752 cycles), 99 % of 10 us: 90 from 2.0 us, 1 from 8.0 us";
         assert_eq!(judged(&ran(10_000, 3_100, 9_900, 0)), (Fit::Pass, good.to_owned()));
         let late = format!("overrun: 2 ticks were too long or too late; {good}");
-        assert_eq!(judged(&ran(10_000, 3_100, 9_900, 2)), (Fit::DoesNotFit, late));
-        assert_eq!(judged(&ran(10_000, 3_100, 10_001, 0)).0, Fit::DoesNotFit);
-        assert_eq!(judged(&ran(20_000, 3_100, 20_001, 1)).0, Fit::DoesNotFit);
+        assert_eq!(judged(&ran(10_000, 3_100, 9_900, 2)), (Fit::TooLong, late));
+        assert_eq!(judged(&ran(10_000, 3_100, 10_001, 0)).0, Fit::TooLong);
+        assert_eq!(judged(&ran(20_000, 3_100, 20_001, 1)).0, Fit::TooLong);
         assert_eq!(judged(&ran(50_000, 3_100, 50_001, 1)).0, Fit::Fail);
         assert_eq!(judged(&ran(50_000, 3_100, 50_000, 0)).0, Fit::Pass);
         let Outcome::Ran(ticks, _) = ran(50_000, 3_100, 50_001, 1) else { panic!() };
@@ -272,7 +272,7 @@ mod tests {
         let too_long = Outcome::TooLong { period_ns: 2_000, about_ns: 2_200 };
         assert_eq!(known.too_long(2_000), Some(too_long.clone()));
         let text = "not run: about 2.20 us (1056 cycles) of 2, by those of longer ticks";
-        assert_eq!(judged(&too_long), (Fit::DoesNotFit, text.to_owned()));
+        assert_eq!(judged(&too_long), (Fit::TooLong, text.to_owned()));
         assert_eq!(judged(&Outcome::TooLong { period_ns: 50_000, about_ns: 60_000 }).0, Fit::Fail);
     }
 
