@@ -130,7 +130,7 @@ fn a_tick_longer_than_its_period_is_shown_and_a_load_that_does_not_fit_is_not_ru
     }
     let (is, figure) = row("eight axes at standstill", 10);
     assert!(is == "does not fit" && figure.starts_with("not run: about 1"), "{figure}");
-    assert!(page.contains("give that load a longer tick\n(`GT_SetTick`)"), "{page}");
+    assert!(page.contains("give that load a longer tick (`GT_SetTick`)"), "{page}");
     // The tick is as it was.
     let client = Client::open(Box::new(EmulatedLink::new(board.clone())), Options::default()).unwrap();
     assert_eq!(client.call(GetTickTime {}).unwrap().period_ns.get(), 50_000);
