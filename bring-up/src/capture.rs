@@ -96,6 +96,11 @@ pub fn left(end: End) -> usize {
     DMA1.st(STREAM + end.channel).ndtr().read().ndt().into()
 }
 
+/// The words of an end's channel.
+pub fn counts(end: End) -> &'static [AtomicU32] {
+    &COUNTS[end.channel]
+}
+
 /// Reports the edges of an end, after [`stop`]: the line's name, then counts, the first `most`.
 // In place of its callers it would take a KiB of the stack for each of them.
 #[inline(never)]

@@ -19,7 +19,7 @@ const PERIOD_COUNTS: u64 = 1200;
 const WIDTH_COUNTS: u64 = 240;
 
 /// Starts the timers of the lasers. A report stops them: no tick is served meanwhile.
-fn settle(bench: &mut Bench) {
+pub fn settle(bench: &mut Bench) {
     bench.ticks(START_TICKS);
     bench.late = 0;
 }
@@ -37,7 +37,8 @@ fn light(bench: &mut Bench, at: u32, train: Train) {
     }
 }
 
-fn dark(bench: &mut Bench) {
+/// Both lasers are shut off.
+pub fn dark(bench: &mut Bench) {
     for channel in 0..2 {
         bench.shut_off(channel);
     }

@@ -24,6 +24,7 @@ mod light;
 mod lock_up;
 mod pause;
 mod report;
+mod shortest;
 mod spi3;
 mod stack;
 mod turns;
@@ -156,6 +157,7 @@ fn measure(report: &mut Report, machine: Machine, timer: TickTimer) {
     light::first_edges(&mut bench, report, ["first-0", "first-1", "first-switch", "first-steps"]);
     light::load(&mut bench, report);
     light::steps(&mut bench, report);
+    shortest::measure(&mut bench, report);
     light::starve(&mut bench, report);
     light::broken_burst(&mut bench, report, ["again-0", "again-1", "again-switch", "again-steps"]);
     light::breaks(&mut bench, report, has_driver);

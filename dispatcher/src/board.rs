@@ -45,6 +45,8 @@ pub struct TickTime {
     pub median_ns: u32,
     /// The longest since the start.
     pub worst_ns: u32,
+    /// The longest since the board was asked before.
+    pub recent_ns: u32,
     /// How many took less than [`TICK_BUCKET_NS`], less than twice that and so on; the last counts
     /// all that were longer. The counts wrap.
     pub histogram: [u32; TICK_BUCKETS],

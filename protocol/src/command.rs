@@ -248,11 +248,13 @@ wire_structs! {
     /// * 9 a pulse width was limited (how often)
     EventItem { time_ns: U64, kind: u8, of: u8, reason: U16 }
     /// The servo tick's period. If the board measures it (`measured` 1), also how long its ticks
-    /// take from the timer's event to the end of the handler: the running median and the longest
-    /// since the start, in ns. The items are a histogram: the first one counts the ticks below
-    /// `bucket_ns`, the next one those below twice that, the last one all that were longer. They
-    /// wrap.
-    TickTimeReply { period_ns: U32, median_ns: U32, worst_ns: U32, measured: u8, bucket_ns: U32, count: U16 }
+    /// take, in ns, from the timer's event to the end of the handler. There is the running median,
+    /// the longest since the start, and that since this was asked before, by anybody. The items
+    /// are a histogram: the first one counts the ticks below `bucket_ns`, the next one those below
+    /// twice that, the last one all that were longer. They wrap.
+    TickTimeReply {
+        period_ns: U32, median_ns: U32, worst_ns: U32, recent_ns: U32, measured: u8, bucket_ns: U32, count: U16,
+    }
     /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop
     /// too.
     LinkLossReply { time_ms: F64, stop_all: I16 }

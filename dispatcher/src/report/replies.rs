@@ -367,6 +367,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             period_ns: (self.view.period.0 as u32).into(),
             median_ns: time.median_ns.into(),
             worst_ns: time.worst_ns.into(),
+            recent_ns: time.recent_ns.into(),
             measured: taken.is_some().into(),
             bucket_ns: TICK_BUCKET_NS.into(),
             count: (items.len() as u16).into(),

@@ -22,9 +22,9 @@ const SCALE: Scale = Scale::of_mhz(TIMER_MHZ);
 
 /// Two ticks of 250 µs with cycles of 0.5 µs; 64 actions a tick, each of which may take one more;
 /// and the ends of ticks.
-const ENERGY_SLOTS: usize = 1152;
+pub const ENERGY_SLOTS: usize = 1152;
 /// Two ticks with 64 edges of either channel.
-const SWITCH_SLOTS: usize = 272;
+pub const SWITCH_SLOTS: usize = 272;
 /// Time that the start takes, in counts of the timers, with reserve.
 const START_COUNTS: u64 = 480;
 /// A compare value that no cycle reaches.
@@ -118,7 +118,7 @@ pub unsafe fn open() -> Lasers {
 /// break that the tick has not read yet stays one.
 #[cold]
 #[inline(never)]
-fn reset() {
+pub fn reset() {
     let breaks = [TIM1, TIM15, TIM8].map(|timer| (timer, is_broken(timer)));
     RCC.apb2rstr().modify(|w| {
         w.set_tim1rst(true);

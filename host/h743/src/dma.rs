@@ -166,6 +166,8 @@ pub struct Dma {
     pub answer: Time,
     /// Bus cycles until the next one: [`TRANSFER`] likewise.
     pub busy: Time,
+    /// A request whose transfers come later, and the time from it to each of them.
+    pub slow: Option<(u8, Time)>,
     /// A request whose data never reach memory.
     pub loses: Option<u8>,
     /// TRBUFF reads as 0.
@@ -191,6 +193,7 @@ impl Dma {
             cycle: Clocks::RESET.bus,
             answer: ANSWER,
             busy: TRANSFER,
+            slow: None,
             loses: None,
             lacks_buffer: false,
             free: [0; 2],
@@ -274,11 +277,16 @@ impl Dma {
         }
     }
 
+    /// Time from a request of a stream to its transfer.
+    fn answer_of(&self, n: usize) -> Time {
+        let slow = self.slow.filter(|(request, _)| self.mux[n] & 0x7f == u32::from(*request));
+        slow.map_or(self.answer * self.cycle, |(_, answer)| answer)
+    }
+
     /// When a controller serves the next stream, and which.
     fn due(&self, controller: usize) -> Option<(Time, usize)> {
         let of = controller * 8..controller * 8 + 8;
-        let ready =
-            |n: usize| self.streams[n].asked.map(|at| (at + self.answer * self.cycle).max(self.free[controller]));
+        let ready = |n: usize| self.streams[n].asked.map(|at| (at + self.answer_of(n)).max(self.free[controller]));
         let first = of.clone().filter_map(ready).min()?;
         let urgency = |&n: &usize| (3 - (self.streams[n].cr >> 16 & 3), n);
         let chosen = of.filter(|&n| ready(n).is_some_and(|at| at <= first)).min_by_key(urgency)?;
@@ -511,10 +519,10 @@ impl Device for Dma {
 
     fn reset(&mut self, _: Time, out: &mut Vec<Signal>) {
         let (complaint, lost) = (self.complaint.take(), self.lost);
-        let kept = (self.loses, self.lacks_buffer);
+        let kept = (self.loses, self.lacks_buffer, self.slow);
         let (cycle, answer, busy, passed) = (self.cycle, self.answer, self.busy, self.passed);
         *self = Dma { cycle, answer, busy, passed, ..Dma::new(self.memory.clone()) };
-        (self.loses, self.lacks_buffer) = kept;
+        (self.loses, self.lacks_buffer, self.slow) = kept;
         (self.complaint, self.lost) = (complaint, lost);
         (0..STREAMS).for_each(|n| self.report(n, out));
     }

@@ -9,6 +9,9 @@ use crate::time::{MILLISECOND, Time};
 
 /// The request that clears slots of steps (RM0433 table 121).
 const TIM17_CH1: u8 = 111;
+/// Each laser timer, the request of its update, and the time from a request of it to its transfer
+/// where its bursts are slow: 3 times 120 ns are 360 ns, and 6 times 85 ns are 510 ns.
+const SLOW_BURSTS: [(u8, u8, Time); 3] = [(1, 15, 115), (15, 106, 115), (8, 51, 82)];
 
 /// A fact that is otherwise (docs/board-assumptions.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +54,11 @@ pub enum Wrong {
     SettlesLong,
     /// DMA takes six times as long from a request to its transfer.
     SlowDma,
+    /// A burst of this laser timer takes some 10 ns more than its shortest cycle: 360 ns for three
+    /// half-words, 510 ns for six.
+    SlowBurst(u8),
+    /// An instruction takes so many cycles of the core.
+    SlowCore(u8),
     /// Analog outputs change half a ms late.
     SlowDac,
     /// Analog inputs read 2 % less.
@@ -179,6 +187,11 @@ impl Machine {
             Wrong::KeepsBurst(number) => bus.timers_named(number).for_each(|timer| timer.quirks.keeps_burst = true),
             Wrong::SettlesLong => bus.timers.iter_mut().for_each(|timer| timer.quirks.settles_more = 198),
             Wrong::SlowDma => bus.dma.answer *= 6,
+            Wrong::SlowBurst(number) => {
+                let slow = SLOW_BURSTS.iter().find(|(timer, ..)| *timer == number);
+                bus.dma.slow = slow.map(|(_, request, answer)| (*request, *answer));
+            }
+            Wrong::SlowCore(cycles) => self.chip.identity.instruction_cycles = cycles.into(),
             Wrong::SlowDac => bus.dac.lag = MILLISECOND / 2,
             Wrong::LowAdc => bus.adc.gain = 0.98,
             Wrong::OneFlag => bus.timers.iter_mut().for_each(|timer| timer.quirks.one_flag = true),

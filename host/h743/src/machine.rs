@@ -45,7 +45,7 @@ pub struct Chip {
     pub scs: Scs,
     /// Peripherals.
     pub bus: Bus,
-    /// What the core says of itself, from every reset on.
+    /// What the core is and says of itself, from every reset on.
     pub identity: Identity,
     dwt: Dwt,
     /// Time.
@@ -156,7 +156,7 @@ impl Guest for Chip {
             }
         }
         self.at = address;
-        self.now += self.cycle;
+        self.now += self.cycle * self.identity.instruction_cycles;
         self.instructions += 1;
         self.decode(address);
         false

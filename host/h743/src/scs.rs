@@ -39,12 +39,14 @@ pub struct Identity {
     pub fpccr: u32,
     /// CCR.IC and CCR.DC stay 0.
     pub lacks_caches: bool,
+    /// Cycles of an instruction.
+    pub instruction_cycles: Time,
 }
 
 impl Default for Identity {
     /// A Cortex-M7 r1p1; floating-point registers are stacked lazily.
     fn default() -> Self {
-        Identity { cpuid: 0x411f_c271, fpccr: 0xc000_0000, lacks_caches: false }
+        Identity { cpuid: 0x411f_c271, fpccr: 0xc000_0000, lacks_caches: false, instruction_cycles: 1 }
     }
 }
 

@@ -442,6 +442,19 @@ fn how_long_ticks_take_is_measured() {
     client.call(Reset { core: 1.into() }).unwrap();
     let (_, _, still, longest) = reported(100);
     assert!(still.abs_diff(median) < 200 && longest >= worst, "{median} {still} {worst} {longest}");
+    // The longest since the call before: a call alone takes less than a Reset, whose tick that of
+    // the start stays the longest after.
+    let recent = || {
+        let reply = client.call(GetTickTime {}).unwrap();
+        assert_eq!(reply.worst_ns.get(), longest);
+        reply.recent_ns.get()
+    };
+    recent();
+    lock(&shared).run(10 * MILLISECOND);
+    let idle = recent();
+    client.call(Reset { core: 1.into() }).unwrap();
+    let set_up = recent();
+    assert!((median..2 * median).contains(&idle) && (idle + median / 2..=longest).contains(&set_up), "{idle} {set_up}");
     client.call(SetTick { tick_us: 250.into() }).unwrap();
     assert_eq!(reported(10).1, 250_000);
 }

@@ -12,6 +12,8 @@ mod loads;
 mod options;
 mod page;
 mod rows;
+mod standard;
+mod ticks;
 
 use crate::Failure;
 use crate::{connect, interrupt};

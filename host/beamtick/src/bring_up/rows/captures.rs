@@ -174,15 +174,18 @@ fn edges(figures: &Figures, name: &str, jumper: usize) -> Result<Vec<i64>, Verdi
         [counts] if !counts.is_empty() && not_right(figures, jumper).is_none() => counts,
         _ => return Err(no_edges(figures, name, jumper)),
     };
+    Ok(edges_of(counts))
+}
+
+/// Edges of these counts, likewise.
+pub fn edges_of(counts: &[i64]) -> Vec<i64> {
     let (mut ticks, mut before) = (0, -1);
-    Ok(counts
-        .iter()
-        .map(|&count| {
-            ticks += i64::from(count <= before);
-            before = count;
-            ticks * TICK + count
-        })
-        .collect())
+    let edge = |&count: &i64| {
+        ticks += i64::from(count <= before);
+        before = count;
+        ticks * TICK + count
+    };
+    counts.iter().map(edge).collect()
 }
 
 /// The verdict of a judgement that may lack its edges.
@@ -248,13 +251,13 @@ fn first_step(figures: &Figures) -> Verdict {
 const STEP_WIDTH_NS: i64 = 500;
 
 /// Why steps are not measured: their pulses have another width.
-fn other_width(figures: &Figures) -> Option<Verdict> {
+pub fn other_width(figures: &Figures) -> Option<Verdict> {
     let [width] = figures.only("step-width").filter(|width| *width != [STEP_WIDTH_NS])?;
     Some(Verdict::NotMeasured(format!("STEP_WIDTH_NS is {width} in settings.rs, this row wants {STEP_WIDTH_NS}")))
 }
 
 /// How far edges spread about a line of equal steps, in counts.
-fn spread(edges: &[i64], step: f64) -> f64 {
+pub fn spread(edges: &[i64], step: f64) -> f64 {
     let off = edges.iter().enumerate().map(|(n, edge)| *edge as f64 - step * n as f64);
     let (least, most) = off.fold((f64::MAX, f64::MIN), |(least, most), off| (least.min(off), most.max(off)));
     most - least
