@@ -201,7 +201,11 @@ pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failu
                 row.what
             )));
         };
-        text = text.replacen(&line, &cells(row, &on(verdict.clone(), figures)), 1).replacen(&format!("{}\n", advice(row)), "", 1);
+        text = text.replacen(&line, &cells(row, &on(verdict.clone(), figures)), 1).replacen(
+            &format!("{}\n", advice(row)),
+            "",
+            1,
+        );
         if matches!(verdict, Verdict::Fail(_)) {
             failed += 1;
             text = advised(&text, row);
@@ -237,7 +241,7 @@ pub fn kept(before: &str, page: String) -> String {
     if was != is {
         return page;
     }
-    let mut text = page;
+    let mut text = page.clone();
     for row in elsewhere() {
         let of = |page: &str| page.lines().find(|line| line.starts_with(&head(row))).map(str::to_owned);
         let (Some(old), Some(new)) = (of(before), of(&text)) else { continue };
@@ -368,8 +372,7 @@ mod tests {
         assert!(place("- USB of the Nucleo answers: ") < place("## Ticks under load"), "{bad}");
     }
 
-    const BOARD: [(&str, &[i64]); 3] =
-        [("board", &[110, 117, 99]), ("version", &[0, 1, 0]), ("unique", &[1, 2, 3])];
+    const BOARD: [(&str, &[i64]); 3] = [("board", &[110, 117, 99]), ("version", &[0, 1, 0]), ("unique", &[1, 2, 3])];
 
     /// The page of a run of the bring-up image, with one of these lines another one.
     fn run_of(other: Option<(&str, &[i64])>) -> String {
@@ -396,7 +399,7 @@ mod tests {
         let page = with(&run_of(None), "halt", &[3000, 1000, 0], [0, 1, 0]);
         let page = with(&page, "clock-lost", &[1, 1, 1, 0, 1, 0], [0, 1, 0]);
         let page = settled(&page, &figures("soak", &[3600, 9, 0, 1])).unwrap().0;
-        let page = page + "\n## Ticks under load\n\n| a | 21 | pass | b |\n";
+        let page = page.trim_end().to_owned() + "\n\n## Ticks under load\n\n| a | 21 | pass | b |\n";
         assert_eq!(summary(&page).split(", 0 figures").next(), Some("2 rows passed, 1 failed"), "{page}");
         let again = kept(&page, run_of(None));
         assert_eq!(again, page);
