@@ -155,6 +155,43 @@ fn the_clocks_guard_is_judged_by_the_first_instructions_after_it() {
     }
 }
 
+/// The unique number of the chip (RM0433 61.1).
+const UNIQUE: u32 = 0x1ff1_e800;
+
+#[test]
+fn a_row_that_a_hand_has_settled_outlasts_the_next_run_on_the_same_chip() {
+    let Some(board) = started("BEAMTICK_H743_BRING_UP", NUCLEO, None) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("page.md");
+    let words = ["--page", path.to_str().unwrap()];
+    let row = || {
+        let page = std::fs::read_to_string(&path).unwrap();
+        page.lines().find(|line| line.starts_with("| the clock's guard breaks the timers | ")).unwrap().to_owned()
+    };
+    let measured = || {
+        bring_up_over(Box::new(EmulatedLink::new(board.clone())), &words).unwrap();
+        row()
+    };
+    assert!(measured().contains(" | not measured | "));
+    let does = |machine: &mut Machine, _: &str| {
+        machine.give_clock(false);
+        machine.run(10 * MILLISECOND);
+        machine.give_clock(true);
+        machine.run(20 * MILLISECOND);
+        String::new()
+    };
+    let mut hands = Script { board: board.clone(), does };
+    bring_up_by_hand(&mut hands, &["--hands", "clock", "--page", words[1]]).unwrap();
+    let settled = row();
+    assert!(settled.contains(" | pass | "), "{settled}");
+    assert_eq!(measured(), settled);
+    // A run that is cut short leaves the page under its other name; the next one finds it there.
+    std::fs::rename(&path, folder.path().join("page.md.old")).unwrap();
+    assert_eq!(measured(), settled);
+    assert!(lock(&board).chip.memory.load(UNIQUE, &7u32.to_le_bytes()));
+    assert!(measured().contains(" | not measured | "));
+}
+
 /// A part for 20 MHz takes no frame of 32 MHz.
 #[test]
 fn voltages_of_an_external_dac_are_typed_and_judged() {

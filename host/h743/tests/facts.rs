@@ -458,9 +458,9 @@ fn what_of_the_stack_was_never_used_is_measured() {
         assert_eq!((reply.measured, reply.size.get()), (1, end - lowest));
         reply.unused.get()
     };
-    // Nothing but start-up and calls: some 12 KiB of 16 are not used.
+    // Start-up, a session and its ticks take most of 16 KiB; a look-ahead would take more.
     let unused = reported();
-    assert!((8_000..15_000).contains(&unused), "{unused} bytes");
+    assert!((4_000..8_000).contains(&unused), "{unused} bytes");
     {
         let machine = lock(&shared);
         let word = |at| machine.chip.memory.word(at).unwrap();
