@@ -1,8 +1,9 @@
 //! How much of the stack the run has never used.
 //!
-//! In: the region STACK, which start-up has painted. Out: its bytes, and those below everything that
-//! was ever written. Owns nothing. It looks at each word that was not used, so only the thread asks,
-//! and only on request. Fails never; a frame whose lowest words were not written counts as smaller.
+//! In: the region STACK, which start-up has painted. Out: its bytes, and those below everything
+//! that was ever written. Owns nothing. It looks at each word that was not used, so only the thread
+//! asks, and only on request. Fails never; a frame whose lowest words were not written counts as
+//! smaller.
 
 /// What start-up writes to each word of the stack: no address, and no number of a plan.
 pub const PAINT: u32 = 0xc5a3_5ac3;

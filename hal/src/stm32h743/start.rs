@@ -2,9 +2,10 @@
 //!
 //! In: the chip as the reset left it. Out: SRAM 1–3 with their clock (RM0433 2.4, 8.7.42), and the
 //! backup SRAM with its clock and write access (8.7.44, 6.4.4). Every RAM is written once, which
-//! its ECC needs (RM0433 3.2): with zeros, and the stack with a word that shows later what of it was
-//! used (`stack`). The state of the tick and its code are copied from flash. Owns nothing. Fails never. It touches no pin: all of them are analog after a reset (RM0433 11.4.1).
-//! It is assembly, since there is no memory yet that a function could use.
+//! its ECC needs (RM0433 3.2): with zeros, and the stack with a word that shows later what was used
+//! ([`super::stack`]). The state of the tick and its code are copied from flash. Owns nothing.
+//! Fails never. It touches no pin: all of them are analog after a reset (RM0433 11.4.1). It is
+//! assembly, since there is no memory yet that a function could use.
 use super::stack::PAINT;
 use core::arch::global_asm;
 

@@ -184,7 +184,6 @@ fn a_row_that_a_hand_has_settled_outlasts_the_next_run_on_the_same_chip() {
     bring_up_by_hand(&mut hands, &["--hands", "clock", "--page", words[1]]).unwrap();
     let settled = row();
     assert!(settled.contains(" | pass | "), "{settled}");
-    assert_eq!(measured(), settled);
     // A run that is cut short leaves the page under its other name; the next one finds it there.
     std::fs::rename(&path, folder.path().join("page.md.old")).unwrap();
     assert_eq!(measured(), settled);

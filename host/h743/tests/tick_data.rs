@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
 const TICKS: usize = 200;
 /// The words in ITCM that most ticks touch all the same: part of the symbol's name, and reads of a
 /// tick, without a program and while one waits. They are the counters of what the thread has put
-/// into a ring, and the entry that waits. A ring is one object, 2 or 8 KiB: DTCM has no room for it.
+/// into a ring, and the entry that waits. A ring is one object, 2 or 8 KiB: DTCM has no room for
+/// it.
 const EXCEPTIONS: [(&str, [f64; 2]); 2] = [("IMMEDIATE_LANE", [1.0, 2.0]), ("PROGRAM_LANE", [0.0, 2.0])];
 
 const BEGIN: &str = "<!-- data of a tick: written with BEAMTICK_NUMBERS by host/h743/tests/tick_data.rs -->\n";

@@ -417,7 +417,8 @@ mod tests {
         // A page that does not say of which board it is settles nothing of another one.
         let nobodys = with("", "halt", &[3000, 1000, 0], [0, 1, 0]);
         assert_eq!(kept(&nobodys, run_of(None)), run_of(None));
-        // The board's own image was another version than that of bring-up: its rows go, others stay.
+        // The board's own image was another version than that of bring-up: its rows go, others
+        // stay.
         let page = with(&page, "halt", &[3000, 1000, 0], [0, 0, 9]);
         let again = kept(&page, run_of(None));
         assert!(line(&again, HALT).contains(" | not measured | ") && line(&again, SOAK).contains(" | pass | "));
