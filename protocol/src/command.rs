@@ -371,7 +371,7 @@ commands! {
     0x0014 ProgramStatus: Program, Immediate {} [Nothing] -> ProgramReply [Nothing];
     0x0015 Trace: Session, Any { every: U32, axes: U64, lasers: u8, crds: u8, over_link: u8, edges: u8 } [Nothing] -> Nothing [Nothing];
     0x0016 ProgramEnd: Step, Program {} [Nothing] -> Nothing [Nothing];
-    0x0017 GetStack: Read Controller, Any {} [Nothing] -> StackReply [Nothing];
+    0x0019 GetStack: Read Controller, Any {} [Nothing] -> StackReply [Nothing];
     // -- axis --------------------------------------------------------------------------------
     0x0100 AxisOn: Set, Exclusive { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
     0x0101 AxisOff: Set, Exclusive { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
