@@ -77,7 +77,9 @@ fn latched(timer: TimGp16, channel: usize, from: u16) -> i64 {
     if is_new { distance(from, at) } else { NOT_LATCHED }
 }
 
-/// The index comes 10 to 30 ns before an edge of A, or after it: less than the delay of a filter.
+/// The index comes before an edge of A, or after it, by more than a sample of a filter (4.2 ns) and
+/// less than its delay (33 ns). The 10 to 30 ns that the instructions and the bus should take are a
+/// guess, and the row on the page says so.
 #[inline(never)]
 fn index_beside(timer: TimGp16, channel: usize, [first, second]: [u32; 2]) -> i64 {
     let from = count(timer);

@@ -36,6 +36,18 @@ pub struct BoardConstants {
     pub contradiction: fn() -> Option<&'static str>,
     /// Asks the board how long its ticks take, if it measures them.
     pub tick_time: Option<fn() -> TickTime>,
+    /// Asks the board how much of its stack it has used, if it measures that. It takes the time of
+    /// a look at each word that was not used.
+    pub stack: Option<fn() -> Stack>,
+}
+
+/// A stack, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stack {
+    /// All of it.
+    pub size: u32,
+    /// What was never used since the start.
+    pub unused: u32,
 }
 
 /// How long servo ticks take, from the timer's event to the end of the handler.

@@ -30,7 +30,9 @@ mod shadow;
 mod test_hooks;
 mod tick_queue;
 
-pub use crate::board::{BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, TICK_BUCKET_NS, TICK_BUCKETS, TickTime};
+pub use crate::board::{
+    BoardConstants, FAULT_TEXT_MAX, Fault, FaultKind, Stack, TICK_BUCKET_NS, TICK_BUCKETS, TickTime,
+};
 pub use crate::plan::path_queue::{LOOK_AHEAD_MOTIONS, PathQueue};
 pub use crate::product::{FAMILIES, PROFILES, ProductProfile, largest_that_fits};
 pub use crate::program::record_queue::{QUEUE_BYTES, RECORD_BYTES};

@@ -192,6 +192,10 @@ fn server(
                 tick_time: Some(load::tick_time),
                 #[cfg(not(feature = "stm32h743"))]
                 tick_time: None,
+                #[cfg(feature = "stm32h743")]
+                stack: Some(load::stack),
+                #[cfg(not(feature = "stm32h743"))]
+                stack: None,
             },
             channels,
         )

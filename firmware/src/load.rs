@@ -1,4 +1,4 @@
-//! How long servo ticks take.
+//! How long servo ticks take, and how much of the stack was never used.
 //!
 //! In: the time of each tick, from its handler. Out: median, longest and a histogram, for the
 //! thread. Owns their words. The median is a running one: each tick moves it by a step towards its
@@ -13,8 +13,10 @@ use dispatcher::{TICK_BUCKET_NS, TICK_BUCKETS};
 const STEP_NS: u32 = 16;
 
 // Relaxed: written in the tick alone, read one by one.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state.words"))]
 static MEDIAN_NS: AtomicU32 = AtomicU32::new(0);
 /// The longest since the last call of [`tick_time`], which takes it.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state.words"))]
 static RECENT_NS: AtomicU32 = AtomicU32::new(0);
 /// The longest before that.
 #[cfg(feature = "stm32h743")]
@@ -49,4 +51,11 @@ pub fn tick_time() -> TickTime {
         recent_ns,
         histogram: HISTOGRAM.each_ref().map(|ticks| ticks.load(Relaxed)),
     }
+}
+
+/// The stack so far.
+#[cfg(feature = "stm32h743")]
+pub fn stack() -> dispatcher::Stack {
+    let (size, unused) = hal::board::stack::size_and_unused();
+    dispatcher::Stack { size, unused }
 }

@@ -19,11 +19,15 @@ fn units(now: Ns) -> u32 {
 const TURN: u32 = 500_000_000 >> 20;
 
 // All relaxed: flags between contexts of one core, each written in one of them.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state.words"))]
 static IN_TICK: AtomicBool = AtomicBool::new(false);
 /// When the last tick ended.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state.words"))]
 static TICKED: AtomicU32 = AtomicU32::new(0);
 /// The link task has run since the last tick; and when a tick last found that.
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state.words"))]
 static TASK_RAN: AtomicBool = AtomicBool::new(false);
+#[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state.words"))]
 static TASK_RAN_AT: AtomicU32 = AtomicU32::new(0);
 /// `TICKED` at the last NMI.
 static TICKED_AT_NMI: AtomicU32 = AtomicU32::new(u32::MAX);

@@ -255,6 +255,9 @@ wire_structs! {
     TickTimeReply {
         period_ns: U32, median_ns: U32, worst_ns: U32, recent_ns: U32, measured: u8, bucket_ns: U32, count: U16,
     }
+    /// The stack of thread and interrupts in bytes. If the board measures it (`measured` 1), also
+    /// how many of them were never used since the start.
+    StackReply { size: U32, unused: U32, measured: u8 }
     /// Link-loss time in ms (0: the link is not supervised), and whether PT, PVT and Follow stop
     /// too.
     LinkLossReply { time_ms: F64, stop_all: I16 }
@@ -370,6 +373,7 @@ commands! {
     0x0014 ProgramStatus: Program, Immediate {} [Nothing] -> ProgramReply [Nothing];
     0x0015 Trace: Session, Any { every: U32, axes: U64, lasers: u8, crds: u8, over_link: u8, edges: u8 } [Nothing] -> Nothing [Nothing];
     0x0016 ProgramEnd: Step, Program {} [Nothing] -> Nothing [Nothing];
+    0x0019 GetStack: Read Controller, Any {} [Nothing] -> StackReply [Nothing];
     // -- axis --------------------------------------------------------------------------------
     0x0100 AxisOn: Set, Exclusive { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];
     0x0101 AxisOff: Set, Exclusive { core: I16, axis: I16 } [Nothing] -> Nothing [Nothing];

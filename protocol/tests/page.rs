@@ -424,3 +424,12 @@ fn a_trace_is_that_of_the_page() {
     assert_eq!(came, 8);
     assert!(decoder.ended());
 }
+
+/// The numbers of records that answer nothing are no command's.
+#[test]
+fn no_command_has_the_number_of_a_record() {
+    for record in [protocol::record::TRACE_RECORD, protocol::record::JOB_RECORD] {
+        let command = COMMANDS.iter().find(|command| command.opcode == record);
+        assert_eq!(command.map(|command| command.name), None, "{record:#06x}");
+    }
+}

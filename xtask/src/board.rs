@@ -280,8 +280,13 @@ fn map(script: &str) -> Vec<Region> {
     script.lines().filter_map(of).collect()
 }
 
-/// `0x400`, `64K`, `64K - 19K`.
+/// `0x400`, `64K`, `64K - 19K`, `48K + 0x20`.
 fn number(text: &str) -> Option<u64> {
+    text.split('+').map(difference).sum()
+}
+
+/// Without a sum.
+fn difference(text: &str) -> Option<u64> {
     text.split('-')
         .map(|term| {
             let term = term.trim();
@@ -375,7 +380,11 @@ fn regions(elf: &[u8], loaded: &Loaded) -> Outcome<Vec<(String, u64)>> {
     let file = object::File::parse(elf).map_err(|e| format!("the image: {e}"))?;
     println!("{:<8}{:>12}{:>10}{:>10}{:>8}", "region", "from", "bytes", "used", "free");
     let mut all = Vec::new();
-    for region in map(&script) {
+    let map = map(&script);
+    if map.len() != script.matches("ORIGIN =").count() {
+        return Err(format!("{MEMORY} has a region whose numbers cannot be read"));
+    }
+    for region in map {
         let Region { name, origin, length } = &region;
         let holds_image = region.holds(loaded.base.into());
         let mut used = match name.as_str() {
@@ -402,10 +411,9 @@ mod tests {
 
     #[test]
     fn the_map_is_read() {
-        let script =
-            "MEMORY\n{\n  A : ORIGIN = 0x00000400, LENGTH = 18K\n  B  : ORIGIN = 0x4c00, LENGTH = 64K - 19K\n}";
+        let script = "MEMORY\n{\n  A : ORIGIN = 0x00000400, LENGTH = 18K\n  B  : ORIGIN = 0x4c00, LENGTH = 64K - 19K\n  C : ORIGIN = 0x10, LENGTH = 1K - 0x10 + 4\n}";
         let region = |name: &str, origin, length| Region { name: name.into(), origin, length };
-        assert_eq!(map(script), [region("A", 0x400, 18432), region("B", 0x4c00, 46080)]);
+        assert_eq!(map(script), [region("A", 0x400, 18432), region("B", 0x4c00, 46080), region("C", 0x10, 1012)]);
     }
 
     #[test]

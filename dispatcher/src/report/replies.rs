@@ -214,6 +214,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
         match query.opcode {
             opcode::GetFault => self.fault(tag, out),
             opcode::GetTickTime => self.tick_time(tag, out),
+            opcode::GetStack => self.stack(tag, out),
             opcode::GetEvents => self.events(tag, out),
             opcode::GetDiEx => self.words::<command::GetDiEx>(tag, query, out),
             opcode::GetDoEx => self.words::<command::GetDoEx>(tag, query, out),
@@ -373,6 +374,17 @@ impl<const AXES: usize> Reading<'_, AXES> {
             count: (items.len() as u16).into(),
         };
         out.done::<command::GetTickTime>(tag, &head, &items)
+    }
+
+    fn stack(&self, tag: u16, out: &mut ReplyWriter) -> Sent {
+        let asked = self.board.stack.map(|ask| ask());
+        let stack = asked.unwrap_or_default();
+        let head = command::StackReply {
+            size: stack.size.into(),
+            unused: stack.unused.into(),
+            measured: asked.is_some().into(),
+        };
+        out.done::<command::GetStack>(tag, &head, &[])
     }
 
     /// What an axis waits for; it is numbered on its own core.

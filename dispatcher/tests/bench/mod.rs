@@ -175,6 +175,7 @@ impl<const AXES: usize> Bench<AXES> {
             fault,
             contradiction: || None,
             tick_time: None,
+            stack: None,
         };
         let mut bench = Bench {
             server: Server::new(

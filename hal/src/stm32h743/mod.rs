@@ -22,6 +22,7 @@ pub mod pins;
 mod pwm_dma;
 pub mod settings;
 pub mod spi;
+pub mod stack;
 mod start;
 pub mod steps;
 pub mod timer;

@@ -2,9 +2,11 @@
 //!
 //! In: the chip as the reset left it. Out: SRAM 1–3 with their clock (RM0433 2.4, 8.7.42), and the
 //! backup SRAM with its clock and write access (8.7.44, 6.4.4). Every RAM is written once, which
-//! its ECC needs (RM0433 3.2). The state of the tick and its code are copied from flash. Owns
-//! nothing. Fails never. It touches no pin: all of them are analog after a reset (RM0433 11.4.1).
-//! It is assembly, since there is no memory yet that a function could use.
+//! its ECC needs (RM0433 3.2): with zeros, and the stack with a word that shows later what was used
+//! ([`super::stack`]). The state of the tick and its code are copied from flash. Owns nothing.
+//! Fails never. It touches no pin: all of them are analog after a reset (RM0433 11.4.1). It is
+//! assembly, since there is no memory yet that a function could use.
+use super::stack::PAINT;
 use core::arch::global_asm;
 
 global_asm!(
@@ -43,12 +45,20 @@ global_asm!(
     "cmp r0, r1",
     "blo 2b",
     "b 1b",
+    // The stack is painted.
+    "3: ldr r0, =_stack_end",
+    "ldr r1, =_stack_start",
+    "ldr r2, ={paint}",
+    "mov r3, r2",
+    "8: strd r2, r3, [r0], #8",
+    "cmp r0, r1",
+    "blo 8b",
     // What is copied: first address and end, and its source in flash; an end of 0 ends them.
-    "3: ldmia r4!, {{r0, r1, r5}}",
+    "9: ldmia r4!, {{r0, r1, r5}}",
     "cmp r1, #0",
     "beq 6f",
     "4: cmp r0, r1",
-    "bhs 3b",
+    "bhs 9b",
     "ldrd r2, r3, [r5], #8",
     "strd r2, r3, [r0], #8",
     "b 4b",
@@ -71,4 +81,5 @@ global_asm!(
     ".ltorg",
     ".size __pre_init, . - __pre_init",
     ".previous",
+    paint = const PAINT,
 );

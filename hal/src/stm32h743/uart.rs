@@ -31,8 +31,10 @@ const USART3_RX: u8 = 45;
 static BYTES: [AtomicU8; RING] = [const { AtomicU8::new(0) }; RING];
 
 /// Index in the ring of the byte that is read next.
+#[unsafe(link_section = ".state.words")]
 static TAKEN: AtomicU32 = AtomicU32::new(0);
 /// Whether [`pend_if_waiting`] makes an interrupt.
+#[unsafe(link_section = ".state.words")]
 static LISTENS: AtomicBool = AtomicBool::new(false);
 
 /// The sending half.

@@ -8,7 +8,8 @@ use crate::summary::LaserFacts;
 use crate::{Failure, json, profile};
 use client::Client;
 use protocol::command::{
-    EventItem, GetClock, GetEvents, GetFault, GetLinkLoss, GetTickTime, LaserStatus, LinkLossReply, TickTimeReply,
+    EventItem, GetClock, GetEvents, GetFault, GetLinkLoss, GetStack, GetTickTime, LaserStatus, LinkLossReply,
+    StackReply, TickTimeReply,
 };
 use protocol::reason::{laser_cause, stop_reason};
 use protocol::values::{FULL_SCALE, event};
@@ -35,6 +36,8 @@ pub struct Facts {
     general_inputs: u8,
     general_outputs: u8,
     servo_tick: TickFacts,
+    /// None where that is not measured.
+    stack: Option<StackFacts>,
     clock_ms: f64,
     link_loss: LossFacts,
     /// The fault of the last run, or why there is no light.
@@ -58,6 +61,15 @@ struct TickFacts {
     /// What ticks take; none where that is not measured.
     median_us: Option<f64>,
     worst_us: Option<f64>,
+}
+
+/// The firmware's stack, bytes.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct StackFacts {
+    size: u32,
+    /// Never used since the start.
+    unused: u32,
 }
 
 /// When the link counts as lost.
@@ -113,6 +125,20 @@ impl fmt::Display for TickFacts {
     }
 }
 
+impl StackFacts {
+    fn of(reply: &StackReply) -> Option<StackFacts> {
+        (reply.measured != 0).then(|| StackFacts { size: reply.size.get(), unused: reply.unused.get() })
+    }
+}
+
+/// One line of the text.
+fn stack_in_words(stack: Option<&StackFacts>) -> String {
+    match stack {
+        Some(StackFacts { size, unused }) => format!("{unused} of {size} bytes never used since the start"),
+        None => "how much of it is used is not measured on this board".to_owned(),
+    }
+}
+
 impl LossFacts {
     fn of(reply: &LinkLossReply) -> LossFacts {
         LossFacts { after_ms: reply.time_ms.get(), stops_all_motion: reply.stop_all.get() != 0 }
@@ -147,6 +173,7 @@ impl fmt::Display for Facts {
             self.general_outputs
         )?;
         writeln!(f, "servo tick  {}", self.servo_tick)?;
+        writeln!(f, "stack       {}", stack_in_words(self.stack.as_ref()))?;
         writeln!(f, "clock       {} ms since power-on", self.clock_ms)?;
         writeln!(f, "link loss   {}", self.link_loss)?;
         match &self.fault {
@@ -195,6 +222,7 @@ fn facts(client: &Client) -> client::Result<Facts> {
     let clock = client.call(GetClock {})?;
     let version = client.version();
     let tick = client.call(GetTickTime {})?;
+    let stack = client.call(GetStack {})?;
     let loss = client.call(GetLinkLoss {})?;
     let (fault, text) = client.call_items(GetFault {}, &[])?;
     let text: Vec<u8> = text.iter().map(|byte| byte.value).collect();
@@ -227,6 +255,7 @@ fn facts(client: &Client) -> client::Result<Facts> {
         general_inputs: version.general_inputs,
         general_outputs: version.general_outputs,
         servo_tick: TickFacts::of(&tick),
+        stack: StackFacts::of(&stack),
         clock_ms: clock.clock_ms.get().into(),
         link_loss: LossFacts::of(&loss),
         fault: kind.map(|kind| FaultFacts { kind, text: String::from_utf8_lossy(&text).into_owned() }),
@@ -289,6 +318,16 @@ mod tests {
         };
         assert_eq!(text(0), "50 us; how long ticks take is not measured on this board");
         assert_eq!(text(1), "50 us; ticks take 5.25 us (10 %) in the median, 12.50 us (25 %) at most since the start");
+    }
+
+    #[test]
+    fn a_stack_is_reported_where_it_is_measured() {
+        let text = |measured| {
+            let reply = StackReply { size: 16_352.into(), unused: 1_920.into(), measured };
+            stack_in_words(StackFacts::of(&reply).as_ref())
+        };
+        assert_eq!(text(0), "how much of it is used is not measured on this board");
+        assert_eq!(text(1), "1920 of 16352 bytes never used since the start");
     }
 
     #[test]

@@ -181,7 +181,7 @@ fn serve_sets_inputs_by_a_file_from_power_on() {
 
 /// An instruction of the emulated board takes no time of its own.
 #[test]
-fn info_says_that_the_emulated_board_does_not_measure_its_ticks() {
+fn info_says_that_the_emulated_board_measures_neither_its_ticks_nor_its_stack() {
     if std::env::var_os("BEAMTICK_IMAGE").is_none() {
         println!("skipped: BEAMTICK_IMAGE names no image");
         return;
@@ -189,4 +189,5 @@ fn info_says_that_the_emulated_board_does_not_measure_its_ticks() {
     let folder = tempfile::tempdir().unwrap();
     let (out, errors, code) = beamtick(folder.path(), &["info", "--link", "qemu"]);
     assert!(code == 0 && out.contains("how long ticks take is not measured on this board"), "{out}{errors}");
+    assert!(out.contains("\nstack       how much of it is used is not measured on this board\n"), "{out}");
 }

@@ -119,6 +119,7 @@ fn every_command_of_the_protocol_is_a_function() {
         "GetFault",
         "GetEvents",
         "GetTickTime",
+        "GetStack",
         "Sleep",
         "WaitStop",
         "ProgramStart",

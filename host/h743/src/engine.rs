@@ -17,6 +17,8 @@ pub trait Guest {
     fn read(&mut self, address: u32, size: u32) -> u32;
     /// The core writes there.
     fn write(&mut self, address: u32, size: u32, value: u32);
+    /// The core reads or writes anywhere, where [`Engine::watch`] asks for it.
+    fn touched(&mut self, address: u32, size: u32, is_write: bool);
 }
 
 /// A register of the core.
@@ -137,6 +139,10 @@ const SET_MODEL: c_int = 1 << 30 | 1 << 26 | 7;
 const CORTEX_M7: c_int = 10;
 const HOOK_INTERRUPT: c_int = 1;
 const HOOK_CODE: c_int = 4;
+/// UC_HOOK_MEM_READ, UC_HOOK_MEM_WRITE.
+const HOOK_DATA: c_int = 1 << 10 | 1 << 11;
+/// UC_MEM_WRITE.
+const DATA_WRITE: c_int = 17;
 const READ: u32 = 1;
 const WRITE: u32 = 2;
 const EXECUTE: u32 = 4;
@@ -208,6 +214,12 @@ impl<G: Guest> Engine<G> {
         // SAFETY: begin after end means everywhere; the callback's signature is that of its kind;
         // `callbacks` outlives the hook.
         check("hook", unsafe { uc_hook_add(self.uc, &raw mut hook, kind, callback, self.callbacks.cast(), 1, 0) })
+    }
+
+    /// The guest is told of every access to data from now on. Before the first instruction: code
+    /// that is translated already does not tell.
+    pub fn watch(&mut self) -> Result<(), String> {
+        self.hook(HOOK_DATA, touched::<G> as *mut c_void)
     }
 
     /// Makes the memory that begins at `base` there or not there for the core.
@@ -310,6 +322,18 @@ unsafe extern "C" fn interrupted<G: Guest>(uc: *mut Uc, number: u32, callbacks: 
         (*callbacks).interrupt = Some(number);
         uc_emu_stop(uc);
     }
+}
+
+unsafe extern "C" fn touched<G: Guest>(
+    _: *mut Uc,
+    kind: c_int,
+    address: u64,
+    size: c_int,
+    _: i64,
+    callbacks: *mut Callbacks<G>,
+) {
+    // SAFETY: see above.
+    unsafe { (*(*callbacks).guest).touched(address as u32, size as u32, kind == DATA_WRITE) }
 }
 
 unsafe extern "C" fn read<G: Guest>(_: *mut Uc, offset: u64, size: u32, space: *mut Space<G>) -> u64 {

@@ -9,6 +9,7 @@
 //!
 //! What is not emulated: caches, bus contention and wait states (an instruction is a cycle).
 #![deny(unsafe_code)]
+pub mod accesses;
 pub mod adc;
 pub mod board;
 pub mod bus;
@@ -40,6 +41,7 @@ pub mod usart;
 pub mod usb;
 pub mod usb_host;
 pub mod watchdog;
+mod world;
 
 pub use device::Cause;
 pub use gpio::{Level, Pin};

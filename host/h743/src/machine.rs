@@ -5,6 +5,7 @@
 //! leaving an exception [`ENTRY`] and [`EXIT`] cycles; a core that waits for an interrupt takes no
 //! time of the host's. So instants are those of an ideal core with no cache misses: exact for what
 //! timers do, an estimate for what instructions do.
+use crate::accesses::Accesses;
 use crate::board::{Board, NUCLEO};
 use crate::bus::Bus;
 use crate::counted::Counted;
@@ -12,7 +13,6 @@ use crate::device::Cause;
 use crate::dwt::Dwt;
 use crate::engine::{Engine, Exit, Guest, Register};
 use crate::exceptions::{BUS_FAULT, HARD_FAULT, MEMORY_FAULT, Masks, SUPERVISOR_CALL, USAGE_FAULT};
-use crate::gpio::Pin;
 use crate::memory::{Memory, PAGE};
 use crate::scs::{Identity, Scs};
 use crate::time::{NEVER, Time};
@@ -54,6 +54,8 @@ pub struct Chip {
     pub instructions: u64,
     /// An exception whose handler's instructions are counted.
     pub counted: Option<Counted>,
+    /// An exception whose handler's data are counted, in a machine that [`Machine::watch`]es.
+    pub accesses: Option<Accesses>,
     cycle: Time,
     limit: Time,
     /// The machine has to look before the next instruction.
@@ -135,6 +137,9 @@ impl Chip {
     pub(crate) fn note(&mut self, exception: usize, begins: bool) {
         if let Some(counted) = &mut self.counted {
             counted.note(exception, begins, self.instructions);
+        }
+        if let Some(accesses) = &mut self.accesses {
+            accesses.note(exception, begins);
         }
     }
 
@@ -218,6 +223,12 @@ impl Guest for Chip {
         // Memories may have come or gone, by their clocks or by the MPU.
         self.attention |= MEMORY_SWITCHES.contains(&aligned) || MPU.contains(&aligned);
     }
+
+    fn touched(&mut self, address: u32, size: u32, is_write: bool) {
+        if let Some(accesses) = &mut self.accesses {
+            accesses.touch(self.running, address, size, is_write);
+        }
+    }
 }
 
 /// Why [`Machine::run`] came back.
@@ -263,6 +274,7 @@ impl Machine {
             now: 0,
             instructions: 0,
             counted: None,
+            accesses: None,
             cycle: crate::clocks::Clocks::RESET.core,
             limit: NEVER,
             attention: false,
@@ -303,6 +315,11 @@ impl Machine {
         ] {
             self.engine.set(register, value);
         }
+    }
+
+    /// Accesses to data are counted from now on, as [`Chip::accesses`] says; before an image boots.
+    pub fn watch(&mut self) -> Result<(), String> {
+        self.engine.watch()
     }
 
     /// Loads an image and starts it, as after power has come.
@@ -550,51 +567,10 @@ impl Machine {
         }) && !self.chip.is_forbidden(address, length)
     }
 
-    /// The host sends bytes over the link.
-    pub fn send(&mut self, bytes: &[u8]) {
-        let chip = &mut self.chip;
-        chip.bus.usart.host_sends(bytes, chip.now);
-        chip.bus.stir(chip.now, &mut chip.scs.exceptions);
-    }
-
-    /// Takes the bytes that the board has sent, with their instants.
-    pub fn take_sent(&mut self) -> Vec<(Time, u8)> {
-        std::mem::take(&mut self.chip.bus.usart.sent)
-    }
-
-    /// The cable of USB is put in, or pulled out.
-    pub fn plug_usb(&mut self, there: bool) {
-        let chip = &mut self.chip;
-        chip.bus.usb.plug(there, chip.now);
-        chip.bus.stir(chip.now, &mut chip.scs.exceptions);
-    }
-
-    /// The host sends bytes to the port that it has found at USB.
-    pub fn send_usb(&mut self, bytes: &[u8]) {
-        self.chip.bus.usb.host.send(bytes);
-    }
-
-    /// Takes the bytes that the host has received over USB, with their instants.
-    pub fn take_sent_usb(&mut self) -> Vec<(Time, u8)> {
-        std::mem::take(&mut self.chip.bus.usb.host.received)
-    }
-
     /// The ST-LINK gives its clock, or stops.
     pub fn give_clock(&mut self, source: bool) {
         let chip = &mut self.chip;
         chip.bus.give_clock(source, chip.now, &mut chip.scs.exceptions);
         chip.cycle = chip.bus.clocks().core;
-    }
-
-    /// The supply has this voltage from now on.
-    pub fn supply(&mut self, supply_mv: u32) {
-        let chip = &mut self.chip;
-        chip.bus.supply(supply_mv, chip.now, &mut chip.scs.exceptions);
-    }
-
-    /// The world drives a pin, or lets it go.
-    pub fn drive(&mut self, pin: Pin, level: Option<bool>) {
-        let chip = &mut self.chip;
-        chip.bus.drive(pin, level, chip.now, &mut chip.scs.exceptions);
     }
 }

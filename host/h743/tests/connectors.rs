@@ -97,6 +97,23 @@ const CONTACTS: [(&str, &str, &str); 82] = [
     ("A8", "PF6", ARDUINO),
 ];
 
+/// Contacts by connector: positions of a pin list of the MB1137, the Nucleo-144 before this one
+/// (H743ZI), whose Zio connectors have the contacts of the same numbers (UM1974, UM2407). Neither
+/// Arduino's file nor Zephyr's has connectors.
+const ZIO: &str = "casten/Nucleo-144-gpio, Nucleo-144-gpio.md";
+/// That list leaves two positions of CN9 without a pin. What says that they are D71 and D72 is
+/// UM2407 alone, and no page of ours names their connector.
+const MANUAL: &str = "UM2407";
+
+/// A connector, contacts of it, and the source.
+const CONNECTORS: [(&str, &str, &str); 5] = [
+    ("CN7", "D8–D25", ZIO),
+    ("CN8", "D43–D50", ZIO),
+    ("CN9", "D51–D70, A0–A5", ZIO),
+    ("CN9", "D71, D72", MANUAL),
+    ("CN10", "D0–D7, D26–D42, A6–A8", ZIO),
+];
+
 const PAGE: &str = include_str!("../../../docs/board-h743.md");
 const BRING_UP: &str = include_str!("../../../docs/bring-up.md");
 /// The program's labels: `JUMPERS` there.
@@ -108,6 +125,17 @@ const PINS: &str = include_str!("bring_up.rs");
 fn pin_of(contact: &str) -> &'static str {
     let found = CONTACTS.iter().find(|(name, ..)| *name == contact);
     found.unwrap_or_else(|| panic!("no source knows a contact {contact}")).1
+}
+
+/// The connector of a contact, by the list.
+fn connector_of(contact: &str) -> &'static str {
+    let found: Vec<&str> = CONNECTORS
+        .iter()
+        .filter(|(_, contacts, source)| *source == ZIO && listed(contacts, is_contact).iter().any(|one| one == contact))
+        .map(|(connector, ..)| *connector)
+        .collect();
+    assert_eq!(found.len(), 1, "{contact} at {found:?}");
+    found[0]
 }
 
 /// Runs of letters, digits and `_`.
@@ -275,6 +303,55 @@ fn the_tables_of_connectors_have_the_contacts_of_the_published_files() {
     }
     println!("{compared} contacts");
     assert!(compared >= 75, "{compared} contacts");
+}
+
+#[test]
+fn every_contact_has_one_connector() {
+    let mut all: Vec<String> = CONNECTORS.iter().flat_map(|(_, contacts, _)| listed(contacts, is_contact)).collect();
+    all.sort();
+    let mut contacts: Vec<&str> = CONTACTS.iter().map(|(name, ..)| *name).collect();
+    contacts.sort();
+    assert_eq!(all, contacts);
+}
+
+/// The connectors' tables, and `D6, CN10` in those of jumpers and of what is free.
+#[test]
+fn contacts_lie_at_the_connectors_that_the_pages_name() {
+    let mut compared = 0;
+    let mut section = "";
+    for line in PAGE.lines() {
+        match line.strip_prefix("**").and_then(|rest| rest.strip_suffix("**")) {
+            Some(name) if name.starts_with("CN") => section = name,
+            _ if line.starts_with('#') => section = "",
+            _ => {}
+        }
+        let cells: Vec<&str> = line.strip_prefix("| ").unwrap_or_default().split('|').map(str::trim).collect();
+        for pair in cells.chunks(2).filter(|_| !section.is_empty()) {
+            if pair[0].split([',', '–', ' ']).all(is_contact_or_empty) {
+                for contact in listed(pair[0], is_contact) {
+                    assert_eq!(connector_of(&contact), section, "{contact}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    println!("{compared} contacts of tables");
+    assert!(compared >= 75, "{compared} contacts");
+    let mut named = 0;
+    for row in rows(BRING_UP, "## Jumpers") {
+        for cell in row {
+            let words: Vec<&str> = words(cell).collect();
+            for pair in words.windows(2).filter(|pair| is_contact(pair[0]) && pair[1].starts_with("CN")) {
+                assert_eq!(connector_of(pair[0]), pair[1], "{}", pair[0]);
+                named += 1;
+            }
+        }
+    }
+    assert_eq!(named, 19, "contacts of jumpers");
+}
+
+fn is_contact_or_empty(word: &str) -> bool {
+    word.is_empty() || is_contact(word)
 }
 
 /// The strings of a source's array `JUMPERS`.

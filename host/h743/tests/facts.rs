@@ -6,8 +6,8 @@ use h743::facts::Wrong;
 use h743::link::{EmulatedLink, Shared, lock};
 use h743::{Cause, Level, MICROSECOND, MILLISECOND, Machine, Pin, Stop};
 use protocol::command::{
-    ClrLaserFault, GetAdc, GetEvents, GetFault, GetLaserFault, GetTickTime, LaserOn, LaserOutFrq, LaserPrfCmd,
-    LaserStatus, Reset, SetAxisMode, SetHSIOOpt, SetTick,
+    ClrLaserFault, GetAdc, GetEvents, GetFault, GetLaserFault, GetStack, GetTickTime, LaserOn, LaserOutFrq,
+    LaserPrfCmd, LaserStatus, Reset, SetAxisMode, SetHSIOOpt, SetTick,
 };
 use std::sync::{Arc, Mutex};
 
@@ -457,4 +457,33 @@ fn how_long_ticks_take_is_measured() {
     assert!((median..2 * median).contains(&idle) && (idle + median / 2..=longest).contains(&set_up), "{idle} {set_up}");
     client.call(SetTick { tick_us: 250.into() }).unwrap();
     assert_eq!(reported(10).1, 250_000);
+}
+
+/// Start-up paints the stack; the lowest word that is no longer so ends what was never used.
+#[test]
+fn what_of_the_stack_was_never_used_is_measured() {
+    let Some(machine) = started(|_| {}) else { return };
+    let elf = std::fs::read(std::env::var_os("BEAMTICK_H743_IMAGE").unwrap()).unwrap();
+    let [lowest, end] = ["_stack_end", "_stack_start"].map(|name| h743::image::symbol(&elf, name).unwrap());
+    let (client, shared) = linked(machine);
+    let reported = || {
+        let reply = client.call(GetStack {}).unwrap();
+        assert_eq!((reply.measured, reply.size.get()), (1, end - lowest));
+        reply.unused.get()
+    };
+    // Start-up, a session and its ticks take most of 16 KiB; a look-ahead would take more.
+    let unused = reported();
+    assert!((4_000..8_000).contains(&unused), "{unused} bytes");
+    {
+        let machine = lock(&shared);
+        let word = |at| machine.chip.memory.word(at).unwrap();
+        let paint = word(lowest);
+        let used = (lowest..end).step_by(4).find(|at| word(*at) != paint).unwrap();
+        // The call itself may have gone on to some words more.
+        assert!(used - lowest <= unused && unused - (used - lowest) < 512, "{} {unused}", used - lowest);
+        assert!(paint != 0 && paint != u32::MAX);
+        // A frame of zeros counts.
+        assert!(machine.chip.memory.load(lowest + 1000, &[0; 4]));
+    }
+    assert_eq!(reported(), 1000);
 }

@@ -207,6 +207,7 @@ fn every_function_packs_as_long_as_its_request() {
         "GetFault",
         "GetEvents",
         "GetTickTime",
+        "GetStack",
         "LaserStatus",
         "LnXYMany",
         "LnXYZMany",

@@ -367,6 +367,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             fault: None,
             contradiction: || None,
             tick_time: None,
+            stack: None,
         };
         let channels = ThreadHalves {
             immediate: immediate_in,

@@ -75,9 +75,10 @@ pub fn with(hands: &mut dyn Hands, what: ByHand, page: Option<&Path>) -> Result<
     })
 }
 
-/// The board's time in ms, and the kind of its fault.
-fn state(hands: &mut dyn Hands) -> Result<(i64, i64), Failure> {
+/// The board's time in ms, and the kind of its fault. The figures get its image.
+fn state(hands: &mut dyn Hands, figures: &mut Figures) -> Result<(i64, i64), Failure> {
     let client = Client::open(hands.link()?, Options::default())?;
+    figures.add_image_of(&client);
     let clock = client.call(GetClock {})?.clock_ms.get();
     let (fault, _) = client.call_items(GetFault {}, &[])?;
     Ok((clock.into(), fault.kind.into()))
@@ -86,12 +87,12 @@ fn state(hands: &mut dyn Hands) -> Result<(i64, i64), Failure> {
 /// How much of the time in which a hand does something passes on the board: a negative number where
 /// it was reset.
 fn through(hands: &mut dyn Hands, name: &str, what: &str) -> Result<Figures, Failure> {
-    let (before, _) = state(hands)?;
+    let (before, _) = state(hands, &mut Figures::default())?;
     let began = hands.now_ms();
     hands.ask(what)?;
-    let (after, fault) = state(hands)?;
-    let passed = hands.now_ms() - began;
     let mut figures = Figures::default();
+    let (after, fault) = state(hands, &mut figures)?;
+    let passed = hands.now_ms() - began;
     figures.add(name, vec![passed, after - before, fault]);
     Ok(figures)
 }
@@ -120,6 +121,7 @@ fn dac(hands: &mut dyn Hands) -> Result<Figures, Failure> {
         client.call_items(SetDac { core: 1.into(), dac: output.into(), count: 1.into() }, &[code])
     };
     let mut figures = Figures::default();
+    figures.add_image_of(&client);
     let mut measured = || -> Result<(), Failure> {
         for output in 1..=2i16 {
             for volts in [0, 5, 10] {

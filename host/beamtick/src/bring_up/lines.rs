@@ -49,6 +49,12 @@ impl Figures {
         all.filter(|lines: &Vec<[i64; N]>| !lines.is_empty())
     }
 
+    /// The version of the image that answers this client.
+    pub fn add_image_of(&mut self, client: &client::Client) {
+        let version = client.version();
+        self.add("image", [version.major, version.minor, version.patch].map(|part| part.get().into()).to_vec());
+    }
+
     /// One more line.
     pub fn add(&mut self, name: &str, numbers: Vec<i64>) {
         self.0.entry(name.to_owned()).or_default().push(numbers);

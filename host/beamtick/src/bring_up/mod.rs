@@ -67,10 +67,11 @@ pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure>
         return answers::over(Ok(link), board, name);
     }
     let mut failed = 0;
-    page::write(name, Older::Aside, |_| {
-        let report = Report::of(&measure(&mut *link, ORDER)?);
-        failed = report.failed();
-        Ok((report.text(), report.summary()))
+    page::write(name, Older::Aside, |before| {
+        let text = page::kept(before, Report::of(&measure(&mut *link, ORDER)?).text());
+        failed = page::failed(&text);
+        let summary = page::summary(&text);
+        Ok((text, summary))
     })?;
     page::failure(failed)
 }

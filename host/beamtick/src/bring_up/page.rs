@@ -37,9 +37,12 @@ pub fn write(
         other => other,
     };
     output::check(&[], &[("--page", name, false)])?;
-    let is_file = name.is_file() && older == Older::GoesOn;
-    let before = if is_file { std::fs::read_to_string(name) } else { Ok(String::new()) };
-    let before = before.map_err(|e| Failure::Input(format!("--page {}: cannot be read: {e}", name.display())))?;
+    let before = match older {
+        Older::GoesOn if name.is_file() => std::fs::read_to_string(name)
+            .map_err(|e| Failure::Input(format!("--page {}: cannot be read: {e}", name.display())))?,
+        Older::GoesOn => String::new(),
+        Older::Aside => last(name),
+    };
     let (mut output, mut file) = Output::stream(name).map_err(named)?;
     let made = (|| {
         if older == Older::Aside {
@@ -70,10 +73,26 @@ pub fn write(
     }
 }
 
+/// What a page said last: where a run was cut short, it has its other name. Empty if nothing that
+/// can be read is there.
+fn last(name: &Path) -> String {
+    [name.to_owned(), output::old(name)]
+        .into_iter()
+        .filter(|name| name.is_file())
+        .find_map(|name| std::fs::read_to_string(name).ok())
+        .unwrap_or_default()
+}
+
 /// A line that says of what, by which program, and when.
 pub fn dated(of: &str) -> String {
-    let date = time::OffsetDateTime::now_utc().date();
-    format!("{of}, by `beamtick bring-up` {} on {date}.", env!("CARGO_PKG_VERSION"))
+    format!("{of}{BY}{} on {}.", env!("CARGO_PKG_VERSION"), today())
+}
+
+/// What follows the board, image and chip in the line that says of what.
+const BY: &str = ", by `beamtick bring-up` ";
+
+fn today() -> time::Date {
+    time::OffsetDateTime::now_utc().date()
 }
 
 /// A judged run.
@@ -105,12 +124,12 @@ impl Report {
     }
 
     /// Rows that failed.
-    pub fn failed(&self) -> usize {
+    fn failed(&self) -> usize {
         self.count(|verdict| matches!(verdict, Verdict::Fail(_)))
     }
 
     /// One line.
-    pub fn summary(&self) -> String {
+    fn summary(&self) -> String {
         counted([
             self.count(|verdict| matches!(verdict, Verdict::Pass(_))),
             self.failed(),
@@ -182,13 +201,75 @@ pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failu
                 row.what
             )));
         };
-        text = text.replacen(&line, &cells(row, &verdict), 1).replacen(&format!("{}\n", advice(row)), "", 1);
+        text = text.replacen(&line, &cells(row, &on(verdict.clone(), figures)), 1).replacen(
+            &format!("{}\n", advice(row)),
+            "",
+            1,
+        );
         if matches!(verdict, Verdict::Fail(_)) {
             failed += 1;
             text = advised(&text, row);
         }
     }
     Ok((recounted(&text), failed))
+}
+
+/// With the day, and the version of the image where it is known: the row outlasts other runs.
+fn on(verdict: Verdict, figures: &Figures) -> Verdict {
+    let image = figures.only::<3>("image").map(|[major, minor, patch]| format!("image {major}.{minor}.{patch}, "));
+    let with = |figure: String| format!("{figure} ({}{})", image.unwrap_or_default(), today());
+    match verdict {
+        Verdict::Pass(figure) => Verdict::Pass(with(figure)),
+        Verdict::Fail(figure) => Verdict::Fail(with(figure)),
+        Verdict::Figure(figure) => Verdict::Figure(with(figure)),
+        Verdict::NotMeasured(why) => Verdict::NotMeasured(why),
+    }
+}
+
+/// The board, its image and the chip of which a page is, where the board has said all three.
+fn subject(page: &str) -> Option<(&str, &str)> {
+    let line = page.lines().find_map(|line| line.split_once(BY)?.0.strip_prefix("Board "))?;
+    let (_, rest) = line.split_once(", bring-up image ")?;
+    let (image, _) = rest.split_once(", ")?;
+    (!line.contains("unknown")).then_some((line, image))
+}
+
+/// A page of a new run, with what other runs have settled on the one before: their rows and
+/// sections stay, with their days, while board, chip and image are the same.
+pub fn kept(before: &str, page: String) -> String {
+    let (Some(was), Some(is)) = (subject(before), subject(&page)) else { return page };
+    if was != is {
+        return page;
+    }
+    let mut text = page.clone();
+    for row in elsewhere() {
+        let of = |page: &str| page.lines().find(|line| line.starts_with(&head(row))).map(str::to_owned);
+        let (Some(old), Some(new)) = (of(before), of(&text)) else { continue };
+        let is_of_another_image = old.contains("(image ") && !old.contains(&format!("(image {}, ", is.1));
+        let rest = old.strip_prefix(&head(row)).unwrap_or_default();
+        if is_of_another_image || rest.starts_with("not measured ") {
+            continue;
+        }
+        text = text.replacen(&new, &old, 1);
+        if rest.starts_with("**FAIL** ") {
+            text = advised(&text, row);
+        }
+    }
+    for section in before.split("\n## ").skip(1).filter(|section| !format!("## {section}").starts_with(ADVICE)) {
+        text = format!("{}\n\n## {}\n", text.trim_end(), section.trim_end());
+    }
+    recounted(&text)
+}
+
+/// Rows of a page that failed, but not those of its sections.
+pub fn failed(page: &str) -> usize {
+    results(page).filter(|result| *result == "**FAIL**").count()
+}
+
+/// The results of the first table's rows.
+fn results(page: &str) -> impl Iterator<Item = &str> {
+    let table = page.lines().skip_while(|line| !line.starts_with("| row |")).take_while(|line| line.starts_with('|'));
+    table.filter_map(|line| line.split(" | ").nth(2))
 }
 
 /// With the advice of a row that failed.
@@ -205,14 +286,16 @@ fn advised(text: &str, row: &Row) -> String {
     }
 }
 
+/// The counts of the first table's results, in one line.
+pub fn summary(page: &str) -> String {
+    let count = |of: &str| results(page).filter(|result| *result == of).count();
+    counted([count("pass"), count("**FAIL**"), count("figure"), count("not measured")])
+}
+
 /// With the counts of the first table's results.
 fn recounted(text: &str) -> String {
-    let table = text.lines().skip_while(|line| !line.starts_with("| row |")).take_while(|line| line.starts_with('|'));
-    let results: Vec<&str> = table.filter_map(|line| line.split(" | ").nth(2)).collect();
-    let count = |of: &str| results.iter().filter(|result| **result == of).count();
-    let counts = [count("pass"), count("**FAIL**"), count("figure"), count("not measured")];
     let line = |line: &str| match line.split_once(". A number") {
-        Some((head, rest)) if head.contains(" rows passed, ") => format!("{}. A number{rest}\n", counted(counts)),
+        Some((head, rest)) if head.contains(" rows passed, ") => format!("{}. A number{rest}\n", summary(text)),
         _ => format!("{line}\n"),
     };
     text.lines().map(line).collect()
@@ -287,6 +370,58 @@ mod tests {
         let place = |text: &str| bad.find(text).unwrap();
         assert!(place(ADVICE) < place("- USB of the Nucleo answers: "), "{bad}");
         assert!(place("- USB of the Nucleo answers: ") < place("## Ticks under load"), "{bad}");
+    }
+
+    const BOARD: [(&str, &[i64]); 3] = [("board", &[110, 117, 99]), ("version", &[0, 1, 0]), ("unique", &[1, 2, 3])];
+
+    /// The page of a run of the bring-up image, with one of these lines another one.
+    fn run_of(other: Option<(&str, &[i64])>) -> String {
+        let mut all = Figures::default();
+        for (name, numbers) in BOARD {
+            let numbers = other.filter(|(of, _)| *of == name).map_or(numbers, |(_, numbers)| numbers);
+            all.add(name, numbers.to_vec());
+        }
+        Report::of(&all).text()
+    }
+
+    /// A new run takes nothing from what others have settled, unless board, chip or image is
+    /// another one.
+    #[test]
+    fn what_other_runs_have_settled_outlasts_a_new_run_of_the_same_board() {
+        const HALT: &str = "the watchdog while a debugger halts the core";
+        const CLOCK: &str = "the clock's guard breaks the timers";
+        const SOAK: &str = "endpoints of USB that are set again";
+        let with = |page: &str, name: &str, numbers: &[i64], image: [i64; 3]| {
+            let mut figures = figures(name, numbers);
+            figures.add("image", image.to_vec());
+            settled(page, &figures).unwrap().0
+        };
+        let page = with(&run_of(None), "halt", &[3000, 1000, 0], [0, 1, 0]);
+        let page = with(&page, "clock-lost", &[1, 1, 1, 0, 1, 0], [0, 1, 0]);
+        let page = settled(&page, &figures("soak", &[3600, 9, 0, 1])).unwrap().0;
+        let page = page.trim_end().to_owned() + "\n\n## Ticks under load\n\n| a | 21 | pass | b |\n";
+        assert_eq!(summary(&page).split(", 0 figures").next(), Some("2 rows passed, 1 failed"), "{page}");
+        let again = kept(&page, run_of(None));
+        assert_eq!(again, page);
+        assert!(line(&again, HALT).ends_with(&format!("it stood for 2.0 s and went on (image 0.1.0, {}) |", today())));
+        assert!(line(&again, SOAK).ends_with(&format!(" 0 frames lost or damaged ({}) |", today())));
+        assert_eq!((failed(&again), again.matches(&format!("- {CLOCK}: ")).count()), (1, 1));
+        // A day goes on as it is.
+        let old = page.replace(&today().to_string(), "2001-02-03");
+        assert!(line(&kept(&old, run_of(None)), HALT).ends_with("(image 0.1.0, 2001-02-03) |"));
+
+        for other in [("board", &[110, 118][..]), ("version", &[0, 1, 1]), ("unique", &[1, 2, 4])] {
+            let fresh = run_of(Some(other));
+            assert_eq!(kept(&page, fresh.clone()), fresh);
+        }
+        // A page that does not say of which board it is settles nothing of another one.
+        let nobodys = with("", "halt", &[3000, 1000, 0], [0, 1, 0]);
+        assert_eq!(kept(&nobodys, run_of(None)), run_of(None));
+        // The board's own image was another version than that of bring-up: its rows go, others
+        // stay.
+        let page = with(&page, "halt", &[3000, 1000, 0], [0, 0, 9]);
+        let again = kept(&page, run_of(None));
+        assert!(line(&again, HALT).contains(" | not measured | ") && line(&again, SOAK).contains(" | pass | "));
     }
 
     #[test]

@@ -50,6 +50,7 @@ fn start() -> Option<&'static mut Server<'static, AXES>> {
         fault: None,
         contradiction: || None,
         tick_time: None,
+        stack: None,
     };
     let channels = ThreadHalves {
         immediate: thread.immediate,

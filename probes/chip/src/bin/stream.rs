@@ -249,6 +249,7 @@ fn main() -> ! {
         fault: None,
         contradiction: || None,
         tick_time: None,
+        stack: None,
     };
     let channels = ThreadHalves {
         immediate: thread.immediate,
