@@ -198,7 +198,7 @@ fn every_entry_takes_a_slot_and_the_reply_reports_it() {
     for _ in 0..1017 {
         b.done(buf_off(1, 0, 0));
     }
-    let text = "BufLaserOn: coordinate system 1: the FIFO is full; 1024 entries fit, 0 are free";
+    let text = "BufLaserOn: coordinate system 1: the FIFO is full; 1024 entries fit";
     refused(b, buf_on(1, 0, 0), &[], 1, text);
 }
 

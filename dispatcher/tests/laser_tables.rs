@@ -94,12 +94,12 @@ fn distance_follow_is_checked() {
             7,
             "SetLaserDisMode: channel is 2; allowed are 0 to 1",
         );
-        let text = "SetLaserDisMode: scale is not a finite number (item 3)";
+        let text = "SetLaserDisMode: scale[2] is not a finite number";
         refused(b, distance(1, 0, [1.0, 1.0, f64::NAN, 1.0]), &[], 7, text);
         if family == GUS {
-            let text = "SetLaserDisMode: scale is 0; it must be from 0.000003814697265625 to 4294967296 (item 2)";
+            let text = "SetLaserDisMode: scale[1] is 0; it must be from 3.815e-6 to 4294967296";
             refused(b, distance(1, 0, [1.0, 0.0, 1.0, 1.0]), &[], 7, text);
-            let text = "SetLaserDisMode: scale is -5; it must be from 0.000003814697265625 to 4294967296 (item 4)";
+            let text = "SetLaserDisMode: scale[3] is -5; it must be from 3.815e-6 to 4294967296";
             refused(b, distance(1, 0, [1.0, 1.0, 1.0, -5.0]), &[], 7, text);
         }
         // Ratios need a follow that is on.
@@ -108,9 +108,9 @@ fn distance_follow_is_checked() {
         refused(b, lines(1, None, 0), &on_lines(&[(0.1, 0); 4]), 1, &format!("SetLaserDisTable1D: {off}"));
         refused(b, plane([1, 2], [1, 1], 0), &in_plane(&[0.0, 0.0, 0.1]), 1, &format!("SetLaserDisTable2D: {off}"));
         b.done(distance(1, 0, scale));
-        let text = "SetLaserDisRatio: ratio is not a finite number (item 2)";
+        let text = "SetLaserDisRatio: ratio[1] is not a finite number";
         refused(b, ratios([0.1, f64::NAN, 0.1, 0.1], None), &[], 7, text);
-        let text = "SetLaserDisRatio: ratio is 131073; it must be from -131072 to 131072 (item 4)";
+        let text = "SetLaserDisRatio: ratio[3] is 131073; it must be from -131072 to 131072";
         refused(b, ratios([0.1, 0.1, 0.1, 131_073.0], None), &[], 7, text);
         let bounds = Some((20.0, 10.0));
         if family == GUS {
@@ -158,13 +158,13 @@ fn tables_of_ratios_are_checked_point_by_point() {
         refused(b, lines(2, None, 0), &with(4, (f64::NAN, 0)), 7, &text);
         let text = is("ratio is -200000; it must be from -131072 to 131072 (item 2)");
         refused(b, lines(2, None, 0), &with(7, (-2e5, 10)), 7, &text);
-        let text = is("limit is not a finite number (item 2)");
+        let text = is("limit[1] is not a finite number");
         refused(b, lines(2, Some([1.0, f64::NAN, 1.0, 1.0]), 0), &on_lines(&eight), 7, &text);
         let text = is("the command's length is wrong: 165 bytes came, 153 were expected");
         let nine: Vec<(f64, i32)> = eight.iter().copied().chain([(0.1, 50)]).collect();
         refused(b, lines(2, None, 0), &on_lines(&nine), 7, &text);
         if family == GUS {
-            let text = is("limit is 101; it must be from 0 to 100 (item 1)");
+            let text = is("limit[0] is 101; it must be from 0 to 100");
             refused(b, lines(2, Some([101.0, 1.0, 1.0, 1.0]), 0), &on_lines(&eight), 7, &text);
         }
         b.call_items(lines(2, None, 0), &on_lines(&eight)).reply::<SetLaserDisTable1D>();
@@ -182,11 +182,11 @@ fn tables_of_ratios_are_checked_point_by_point() {
             in_plane(&values)
         };
         let (all, one) = (in_plane(&good), [2, 2]);
-        refused(b, plane([0, 2], one, 0), &all, 7, &is("axis is 0; allowed are 1 to 4 (item 1)"));
-        refused(b, plane([1, 5], one, 0), &all, 7, &is("axis is 5; allowed are 1 to 4 (item 2)"));
+        refused(b, plane([0, 2], one, 0), &all, 7, &is("axis[0] is 0; allowed are 1 to 4"));
+        refused(b, plane([1, 5], one, 0), &all, 7, &is("axis[1] is 5; allowed are 1 to 4"));
         refused(b, plane([2, 2], one, 0), &all, 7, &is("axis names axis 2 twice; a plane has two"));
-        refused(b, plane([1, 2], [0, 2], 0), &all, 7, &is("count is 0; it must be from 1 to 32 (item 1)"));
-        refused(b, plane([1, 2], [2, 33], 0), &all, 7, &is("count is 33; it must be from 1 to 32 (item 2)"));
+        refused(b, plane([1, 2], [0, 2], 0), &all, 7, &is("count[0] is 0; it must be from 1 to 32"));
+        refused(b, plane([1, 2], [2, 33], 0), &all, 7, &is("count[1] is 33; it must be from 1 to 32"));
         refused(b, plane([1, 2], [32, 9], 0), &all, 7, &is("count is 288; at most 256 fit"));
         let text = "must be a whole number of pulses, greater than";
         let x = format!("a position of X is 0; it {text} 0, that of the point before (item 2)");

@@ -312,10 +312,9 @@ pub fn describe<'a>(request: &'a str, field: &'a str, refusal: Refusal) -> impl 
     Description { opcode: 0, request, field, is_array: false, refusal }
 }
 
-/// As [`describe`], with the names that the command table has for `opcode`.
-///
-/// The alternate form (`{:#}`) is for persons: an element of an array is named as `profile[1]`,
-/// limits that are none are left out, small ones are rounded, and some reasons say what helps.
+/// As [`describe`], with the names that the command table has for `opcode`. An element of an array
+/// is named as `profile[1]`, limits that are none are left out, small ones are rounded, and some
+/// reasons say what helps.
 pub fn describe_opcode(opcode: u16, refusal: Refusal) -> impl Display {
     let command = crate::command::info(opcode);
     // A parameter of an item is counted after those of the request.
@@ -339,8 +338,8 @@ struct Description<'a> {
 }
 
 impl Description<'_> {
-    /// The reason's text as a person reads it.
-    fn plainly(&self, reason: Reason) -> &'static str {
+    /// The reason's text, where a limit or the command does not ask for another one.
+    fn text(&self, reason: Reason) -> &'static str {
         let (low, high) = (self.refusal.low.get(), self.refusal.high.get());
         match (reason, self.opcode) {
             (Reason::OutOfRange, _) if high == f64::MAX => match low {
@@ -363,7 +362,6 @@ impl Description<'_> {
 impl Display for Description<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let refusal = &self.refusal;
-        let is_plain = f.alternate();
         if !self.request.is_empty() {
             write!(f, "{}: ", self.request)?;
         }
@@ -371,9 +369,8 @@ impl Display for Description<'_> {
             return write!(f, "refused for reason {}, which this client does not know", refusal.reason.get());
         };
         let item = Some(refusal.item.get()).filter(|item| *item != Refusal::NO_ITEM);
-        let element = item.filter(|_| is_plain && self.is_array);
-        let limit = if is_plain { rounded } else { exact };
-        let mut rest = if is_plain { self.plainly(reason) } else { reason.text() };
+        let element = item.filter(|_| self.is_array);
+        let mut rest = self.text(reason);
         while let Some((before, after)) = rest.split_once('{') {
             f.write_str(before)?;
             let Some((name, after)) = after.split_once('}') else { break };
@@ -382,8 +379,8 @@ impl Display for Description<'_> {
                 ("field", Some(element)) => write!(f, "{}[{element}]", self.field)?,
                 ("field", None) => f.write_str(self.field)?,
                 ("got", _) => exact(f, refusal.got.get())?,
-                ("low", _) => limit(f, refusal.low.get())?,
-                ("high", _) => limit(f, refusal.high.get())?,
+                ("low", _) => rounded(f, refusal.low.get())?,
+                ("high", _) => rounded(f, refusal.high.get())?,
                 ("cause", _) => f.write_str(match refusal.high.get() as i16 {
                     0 => "one that was cleared since",
                     cause => laser_cause(cause),
@@ -412,7 +409,7 @@ fn exact(f: &mut Formatter<'_>, value: f64) -> fmt::Result {
     }
 }
 
-/// Limits below this are rounded for persons.
+/// Limits below this are rounded.
 const SMALL: f64 = 1e-3;
 
 /// The same of a limit, four digits of a small one: those are powers of two.

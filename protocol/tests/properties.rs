@@ -170,9 +170,7 @@ proptest! {
         let refusal = reason::Refusal::read_from_bytes(&bytes).unwrap();
         let text = reason::describe_opcode(COMMANDS[row].opcode, refusal).to_string();
         prop_assert!(text.starts_with(COMMANDS[row].name));
-        let plain = format!("{:#}", reason::describe_opcode(COMMANDS[row].opcode, refusal));
-        prop_assert!(plain.starts_with(COMMANDS[row].name));
-        prop_assert!(!text.contains('{') && !plain.contains('{'), "{} {}", text, plain);
+        prop_assert!(!text.contains('{'), "{}", text);
     }
 
     #[test]

@@ -74,9 +74,7 @@ pub fn refused(opcode: u16, code: i16, payload: &[u8]) -> Error {
     // In a PathMany the reply to the calls before it follows.
     let own = if opcode == opcode::PathMany { payload.get(..size_of::<Refusal>()) } else { None };
     match Refusal::read_from_bytes(own.unwrap_or(payload)) {
-        Ok(refusal) => {
-            Error { code, reason: format!("{:#}", describe_opcode(opcode, refusal)), refusal: Some(refusal) }
-        }
+        Ok(refusal) => Error { code, reason: describe_opcode(opcode, refusal).to_string(), refusal: Some(refusal) },
         Err(_) => Error::new(code, format!("{}: refused with code {code}, without a reason", name(opcode))),
     }
 }

@@ -58,7 +58,7 @@ pub unsafe extern "system" fn beamtick_last_reason(text: *mut c_char, size: c_sh
 /// A parameter is wrong: 7, in the words that the controller uses.
 pub fn wrong(function: &str, parameter: &str, reason: Reason, got: f64, low: f64, high: f64) -> Error {
     let refusal = Refusal { got: got.into(), low: low.into(), high: high.into(), ..Refusal::new(reason) };
-    Error::new(reason.code() as i16, format!("{:#}", describe(function, parameter, refusal)))
+    Error::new(reason.code() as i16, describe(function, parameter, refusal).to_string())
 }
 
 /// An address is missing: 7.

@@ -120,7 +120,7 @@ impl<'m> Wire<'m> {
         for (code, reply) in self.records(0, table.opcode, &requests) {
             if code != 0 {
                 let refusal = Refusal::read_from_bytes(&reply).unwrap();
-                let reason = format!("{:#}", describe_opcode(table.opcode, refusal));
+                let reason = describe_opcode(table.opcode, refusal).to_string();
                 return (Answer { code: code.into(), reason, values: Vec::new() }, Vec::new());
             }
             let mut rest = &reply[..];

@@ -49,7 +49,7 @@ fn of_file(mut error: Error, path: &str, items: &[ConfigItem], before: usize) ->
         && let Some(item) = items.get(before + usize::from(refusal.item.get()))
     {
         refusal.item = ((before as u16) + refusal.item.get()).into();
-        error.reason = format!("{:#}: axis {} in {path}", describe_opcode(opcode::LoadConfig, *refusal), item.axis);
+        error.reason = format!("{}: axis {} in {path}", describe_opcode(opcode::LoadConfig, *refusal), item.axis);
     }
     error
 }
