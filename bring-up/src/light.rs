@@ -156,28 +156,26 @@ pub fn broken_burst(bench: &mut Bench, report: &mut Report, names: [&str; 4]) {
 }
 
 /// The interlock opens within a pulse; then the safe state comes by software within one.
-pub fn breaks(bench: &mut Bench, report: &mut Report, has_driver: bool) {
+pub fn breaks(bench: &mut Bench, report: &mut Report) {
     let pulse = train(48_000, 24_000, 0);
-    if has_driver {
-        settle(bench);
-        wires::connect(&[INTERLOCK, ENERGY_1, MINUS_0]);
-        light(bench, 0, pulse);
-        // The pulse begins with the third of these and lasts for two ticks.
-        bench.ticks(3);
-        capture::begin(&[(INTERLOCK, Edge::Rising), (ENERGY_1, Edge::Rising), (MINUS_0, Edge::Falling)]);
-        cortex_m::asm::delay(4_800);
-        wires::open_interlock(true);
-        cortex_m::asm::delay(4_800);
-        capture::stop();
-        let enabled = LASERS.map(|(_, timer)| timer.bdtr().read().moe().into());
-        report.line("break-left", &enabled);
-        capture::report_to(report, "break-input", INTERLOCK, 4);
-        capture::report_to(report, "break-plus", ENERGY_1, 4);
-        capture::report_to(report, "break-minus", MINUS_0, 4);
-        wires::open_interlock(false);
-        hal::board::laser::was_broken();
-        dark(bench);
-    }
+    settle(bench);
+    wires::connect(&[INTERLOCK, ENERGY_1, MINUS_0]);
+    light(bench, 0, pulse);
+    // The pulse begins with the third of these and lasts for two ticks.
+    bench.ticks(3);
+    capture::begin(&[(INTERLOCK, Edge::Rising), (ENERGY_1, Edge::Rising), (MINUS_0, Edge::Falling)]);
+    cortex_m::asm::delay(4_800);
+    wires::open_interlock(true);
+    cortex_m::asm::delay(4_800);
+    capture::stop();
+    let enabled = LASERS.map(|(_, timer)| timer.bdtr().read().moe().into());
+    report.line("break-left", &enabled);
+    capture::report_to(report, "break-input", INTERLOCK, 4);
+    capture::report_to(report, "break-plus", ENERGY_1, 4);
+    capture::report_to(report, "break-minus", MINUS_0, 4);
+    wires::open_interlock(false);
+    hal::board::laser::was_broken();
+    dark(bench);
     settle(bench);
     wires::connect(&[ENERGY_0, MINUS_0]);
     light(bench, 0, pulse);

@@ -114,12 +114,33 @@ fn following(from: GpioPin) -> u32 {
 pub fn report_to(report: &mut Report) -> bool {
     settle();
     report.line("rest", &BOARD.lasers.map(|(pin, _)| reads_high(pin).into()));
-    for (_, end) in JUMPERS {
-        input(end.pin, if end.pin == INTERLOCK.pin { Pupdr::PULL_UP } else { Pupdr::PULL_DOWN });
-    }
+    listen();
     let ends = JUMPERS.map(|(from, _)| following(from));
     for (number, ends) in (1..).zip(ends) {
         report.line("wire", &[number, ends.into()]);
     }
-    ends[JUMPERS.len() - 1] == 1 << (JUMPERS.len() - 1)
+    is_driven(ends[JUMPERS.len() - 1])
+}
+
+/// Whether the sixth jumper is as it should be: no machine has its interlock at a general output.
+/// The lasers rest meanwhile.
+pub fn has_driver() -> bool {
+    listen();
+    let ends = following(DRIVER);
+    // The interlock was open for some microseconds.
+    hal::board::laser::was_broken();
+    is_driven(ends)
+}
+
+/// The ends become inputs, each with the pull that says what it is without a jumper.
+fn listen() {
+    for (_, end) in JUMPERS {
+        input(end.pin, if end.pin == INTERLOCK.pin { Pupdr::PULL_UP } else { Pupdr::PULL_DOWN });
+    }
+    settle();
+}
+
+/// Whether the interlock, and nothing else, follows.
+fn is_driven(ends: u32) -> bool {
+    ends == 1 << (JUMPERS.len() - 1)
 }

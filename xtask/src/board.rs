@@ -83,6 +83,8 @@ pub fn build_bring_up() -> Outcome<PathBuf> {
 /// Writes the files of the bring-up image; flashes it where probe-rs finds a board; measures over
 /// this link, if one is named.
 pub fn bring_up(link: Option<&str>) -> Outcome {
+    // Before anything is flashed.
+    link.map_or(Ok(()), check_link)?;
     let elf = build_bring_up()?;
     write(&elf, BRING_UP, "")?;
     let has_probe = works(program("probe-rs").arg("--version"));
@@ -97,8 +99,21 @@ pub fn bring_up(link: Option<&str>) -> Outcome {
     measure(link, &[])
 }
 
+/// Whether it is the form of a link to a board.
+fn check_link(link: &str) -> Outcome {
+    if link.starts_with("serial:") || link.starts_with("tcp:") {
+        return Ok(());
+    }
+    Err(format!(
+        "{link} is no link to a board. It is\n  cargo bring-up                                       builds and flashes the image\n  \
+         cargo bring-up serial:/dev/ttyACM0:3000000           measures over the ST-LINK's port, and writes out/bring-up.md\n  \
+         cargo bring-up serial:/dev/ttyACM0:3000000 loads     measures ticks of the board's own image\nSee docs/bring-up.md"
+    ))
+}
+
 /// Flashes the board's own image where probe-rs is there, and measures its ticks over this link.
 pub fn loads(link: &str) -> Outcome {
+    check_link(link)?;
     if works(program("probe-rs").arg("--version")) {
         flash_this(&build()?)?;
     }

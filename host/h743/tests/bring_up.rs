@@ -265,7 +265,8 @@ fn a_page_that_cannot_be_written_is_found_before_the_measurement() {
     assert_eq!(lock(&board).chip.now, began);
     // A run that is cut short leaves the page of before under its other name.
     let page = folder.path().join("page.md");
-    std::fs::write(&page, "before").unwrap();
+    let before = "of nobody, by `beamtick bring-up` 0";
+    std::fs::write(&page, before).unwrap();
     let words = ["--page", page.to_str().unwrap()];
     lock(&board).plant(Wrong::Revision(0x1003));
     lock(&board).reset(h743::Cause::Pin);
@@ -273,7 +274,7 @@ fn a_page_that_cannot_be_written_is_found_before_the_measurement() {
     let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
     assert!(text.contains("page.md.old now."), "{text}");
     assert!(!page.exists());
-    assert_eq!(std::fs::read_to_string(folder.path().join("page.md.old")).unwrap(), "before");
+    assert_eq!(std::fs::read_to_string(folder.path().join("page.md.old")).unwrap(), before);
 }
 
 #[test]

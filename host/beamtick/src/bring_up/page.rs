@@ -37,6 +37,13 @@ pub fn write(
         other => other,
     };
     output::check(&[], &[("--page", name, false)])?;
+    if let Ok(text) = std::fs::read(name)
+        && !text.is_empty()
+        && !String::from_utf8_lossy(&text).contains(BY)
+    {
+        let name = name.display();
+        return Err(Failure::Input(format!("--page {name}: that file is no page of bring-up; choose another name")));
+    }
     let before = match older {
         Older::GoesOn if name.is_file() => std::fs::read_to_string(name)
             .map_err(|e| Failure::Input(format!("--page {}: cannot be read: {e}", name.display())))?,
@@ -184,7 +191,7 @@ fn advice(row: &Row) -> String {
 /// The page with the rows that these figures settle, and how many of them failed. Where there was
 /// no page, it has all other rows too, as not measured.
 pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failure> {
-    let mut text = if before.contains("\n| row |") && before.contains(" rows passed, ") {
+    let mut text = if is_page(before) {
         before.to_owned()
     } else {
         format!("{}\n{before}", Report::of(&Figures::default()).text()).trim_end().to_owned() + "\n"
@@ -201,6 +208,13 @@ pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failu
                 row.what
             )));
         };
+        // A run that came to nothing takes back nothing that another one has settled.
+        let was = line.strip_prefix(&head(row)).unwrap_or_default();
+        let decides = matches!(verdict, Verdict::Pass(_) | Verdict::Fail(_));
+        if !decides && (was.starts_with("pass ") || was.starts_with("**FAIL** ")) {
+            say!("{}: {}; the page keeps what it says", row.what, cells(row, &verdict).trim_end_matches(" |"));
+            continue;
+        }
         text = text.replacen(&line, &cells(row, &on(verdict.clone(), figures)), 1).replacen(
             &format!("{}\n", advice(row)),
             "",
@@ -212,6 +226,21 @@ pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failu
         }
     }
     Ok((recounted(&text), failed))
+}
+
+/// Whether a page, if it is one, has all rows that other runs settle.
+pub fn complete(page: &str) -> Result<(), Failure> {
+    let has = |row: &&Row| page.lines().any(|line| line.starts_with(&head(row)));
+    match elsewhere().iter().find(|row| !has(row)).filter(|_| is_page(page)) {
+        None => Ok(()),
+        Some(row) => {
+            Err(Failure::Input(format!("--page has no row \"{}\": measure by the bring-up image anew", row.what)))
+        }
+    }
+}
+
+fn is_page(text: &str) -> bool {
+    text.contains("\n| row |") && text.contains(" rows passed, ")
 }
 
 /// With the day, and the version of the image where it is known: the row outlasts other runs.
@@ -310,6 +339,8 @@ fn counted([passed, failed, figures, not_measured]: [usize; 4]) -> String {
 pub fn settle(name: Option<&Path>, measure: impl FnOnce() -> Result<Figures, Failure>) -> Result<(), Failure> {
     let mut count = 0;
     write(name, Older::GoesOn, |before| {
+        // Before anybody waits for a measurement that the page has no row for.
+        complete(before)?;
         let (text, failed) = settled(before, &measure()?)?;
         count = failed;
         Ok((text, format!("{failed} of these rows failed")))

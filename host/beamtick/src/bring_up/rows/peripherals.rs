@@ -31,7 +31,7 @@ pub const ROWS: &[Row] = &[
         what: "an index is latched at the delay of A and B",
         assumptions: &[36],
         judge: index,
-        remedy: "first the gap, which is a guess: D50 and D65 by a scope, 5 to 30 ns between their edges. Another gap: change the count \
+        remedy: "first the gap, which is a guess: D50 and D65 by a scope, 10 to 30 ns between their edges. Another gap: change the count \
             of `nop` in `index_beside` of bring-up/src/turns.rs, measure anew. That gap: homes differ by a count by direction; \
             give the index the filter of A and B (ICxF, 39.3.5), `open` in encoders.rs",
     },

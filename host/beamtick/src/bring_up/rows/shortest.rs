@@ -85,11 +85,15 @@ fn captures(figures: &Figures, name: &str, jumper: usize) -> Result<Vec<Vec<i64>
 fn judged(figures: &Figures, which: usize, lines: &[(&str, &str, usize)]) -> Verdict {
     let Some(least) = figures.only::<2>("short-least") else { return Verdict::missing("short-least") };
     let (mut wrong, mut count, mut most) = (Vec::new(), 0, 0);
+    let mut missing = None;
     for (line, of, jumper) in lines {
         for (ends, edge) in [(false, "begins"), (true, "ends")] {
             let all = match captures(figures, &format!("{line}-{edge}"), *jumper) {
                 Ok(all) => all,
-                Err(verdict) => return verdict,
+                Err(verdict) => {
+                    missing = missing.or(Some(verdict));
+                    continue;
+                }
             };
             for edges in all {
                 let (right, off) = followed(&edges, least[which], ends);
@@ -104,6 +108,10 @@ fn judged(figures: &Figures, which: usize, lines: &[(&str, &str, usize)]) -> Ver
     }
     // The first of a line says enough.
     wrong.dedup_by_key(|text| text.split(':').next().map(str::to_owned));
+    // What is wrong of one laser counts, also where the other one was not measured.
+    if let Some(missing) = missing.filter(|_| wrong.is_empty()) {
+        return missing;
+    }
     let [least, more] = [least[which], least[which] + MORE];
     all_of(wrong, &format!("{count} edges of cycles of {least} and {more} counts, {most} counts off at most"))
 }
