@@ -100,6 +100,8 @@ fn a_debuggers_halt_is_judged_by_the_boards_clock() {
         [(None, true, "pass"), (None, false, "not measured"), (Some(Wrong::NotFrozen), true, "**FAIL**")]
     {
         let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, wrong) else { return };
+        // Longer than the halt: else a clock that began anew could not be told.
+        lock(&board).run(2200 * MILLISECOND);
         let (is, figure) = by_hand(&board, "halt", ROW, |machine, prompt| {
             assert!(prompt.contains("Halt the core") && prompt.contains("press Enter"), "{prompt}");
             if halted {
@@ -120,6 +122,7 @@ fn a_cable_that_is_unplugged_is_judged_by_the_boards_clock_and_fault() {
     const ROW: &str = "the ST-LINK's clock without a host";
     for (seconds, stops, result) in [(11, false, "pass"), (1, false, "not measured"), (1, true, "**FAIL**")] {
         let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, None) else { return };
+        lock(&board).run(200 * MILLISECOND);
         let (is, figure) = by_hand(&board, "unplug", ROW, |machine, prompt| {
             assert!(prompt.contains("Unplug CN1 now"), "{prompt}");
             machine.give_clock(!stops);
