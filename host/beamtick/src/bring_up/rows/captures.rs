@@ -157,7 +157,10 @@ pub fn not_right(figures: &Figures, jumper: usize) -> Option<Verdict> {
 pub fn no_edges(figures: &Figures, name: &str, jumper: usize) -> Verdict {
     let is_closed = figures.each::<4>("break").is_some_and(|lines| lines.iter().any(|[_, level, ..]| *level == 0));
     if figures.all(name).is_empty() {
-        Verdict::missing(name)
+        // Without the sixth jumper nothing lights or steps.
+        let looked = figures.each::<2>("wire").is_some();
+        let why = [jumper, 6].into_iter().filter(|_| looked).find_map(|jumper| not_right(figures, jumper));
+        why.unwrap_or_else(|| Verdict::missing(name))
     } else if let Some(verdict) = not_right(figures, jumper) {
         verdict
     } else if !is_closed {
