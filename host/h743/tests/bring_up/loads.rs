@@ -140,6 +140,7 @@ fn a_tick_longer_than_its_period_is_shown_and_a_load_that_does_not_fit_is_not_ru
 /// there, and a page of before stays.
 #[test]
 fn without_jumper_6_nothing_lights_or_moves() {
+    const BEFORE: &str = "# Bring-up\n\nBoard a, bring-up image b, chip c, by `beamtick bring-up` 0.1.0 on 2026-01-01.\n";
     let ground = |machine: &mut Machine| {
         ["PE15", "PE3", "PG2"].iter().for_each(|name| machine.drive(Pin::named(name).unwrap(), Some(false)));
     };
@@ -150,7 +151,7 @@ fn without_jumper_6_nothing_lights_or_moves() {
         let before = changes(&board, MOVES_AND_LIGHTS);
         let folder = tempfile::tempdir().unwrap();
         let page = folder.path().join("page.md");
-        std::fs::write(&page, "# Bring-up\n").unwrap();
+        std::fs::write(&page, BEFORE).unwrap();
         let words = ["--loads", "--page", page.to_str().unwrap()];
         let outcome = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &words);
         let Err(Failure::Job(text)) = &outcome else { panic!("{outcome:?}") };
@@ -158,7 +159,7 @@ fn without_jumper_6_nothing_lights_or_moves() {
         assert_eq!(changes(&board, MOVES_AND_LIGHTS), before, "{found}");
         // Output 5 is low, as it was.
         assert_eq!(lock(&board).chip.bus.gpio.level(Pin::named("PG14").unwrap()), Level::Driven(false));
-        assert_eq!(std::fs::read_to_string(&page).unwrap(), "# Bring-up\n");
+        assert_eq!(std::fs::read_to_string(&page).unwrap(), BEFORE);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }
