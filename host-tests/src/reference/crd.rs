@@ -92,6 +92,8 @@ pub struct Crd {
     /// Data came after that at the same instant.
     pub fed_here: bool,
     pub late: bool,
+    /// An interlock has stopped it, and it was started again: a program does not know from where.
+    pub hidden: bool,
     /// No Stop has come since it was set up at standstill.
     pub certain: bool,
     /// A Stop has named it since its last start.
@@ -112,6 +114,7 @@ impl Default for Crd {
             set: None,
             fifos: Default::default(),
             moved: 0,
+            hidden: false,
             fifo: 0,
             runs: false,
             contested: [false; 2],
@@ -219,11 +222,26 @@ impl Crd {
         self.counted = [0.0; 4];
         (self.waits, self.waited, self.hindered) = (None, waited, false);
         let other = &mut self.fifos[1 - fifo];
+        self.hidden |= self.why == Some(Why::Interlock);
         other.lost |= self.why == Some(Why::Interlock) && other.begins().is_some();
         let of = &mut self.fifos[fifo];
         of.lost = false;
         self.goes_on = of.left.is_some();
         (of.left, of.seen) = (None, of.entries.len());
+    }
+
+    /// Whether data of FIFO 1 ends on the pulse nearest to where FIFO 0 was left, which is no whole
+    /// one: docs/crd.md.
+    pub fn comes_back(&self, fifo: usize) -> bool {
+        let Some(left) = self.fifos[0].left.filter(|left| fifo == 1 && left.iter().any(|x| x.fract() != 0.0)) else {
+            return false;
+        };
+        let of = &self.fifos[1];
+        let begins_elsewhere = |line: &Geometry| line.at(0.0).iter().zip(left).any(|(a, b)| (a - b).abs() > 1e-6);
+        of.entries[of.next..].iter().any(|entry| match entry {
+            Entry::Motion(line, _, to, _) => *to == left.map(f64::round) && begins_elsewhere(line),
+            _ => false,
+        })
     }
 
     /// SetOverride, at the instant up to which it has run.
@@ -349,7 +367,11 @@ impl Crd {
                     effects += 1;
                 }
                 // A Stop that came to it at speed.
-                Some(Entry::Delay(_)) if self.brakes => self.come_to_standstill(Rest::Stopped),
+                Some(Entry::Delay(_)) if self.brakes => {
+                    // Whether a delay of 0 alone is left to do is nowhere said.
+                    self.open |= of.takes_no_time(of.entries.len());
+                    self.come_to_standstill(Rest::Stopped);
+                }
                 // What is before a wait was too short to brake in.
                 Some(Entry::Delay(_)) if at_speed => self.come_to_standstill(Rest::Underrun),
                 Some(Entry::Delay(ms)) => {

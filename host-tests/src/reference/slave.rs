@@ -428,8 +428,8 @@ impl Slave {
             return None;
         };
         self.resume(at, Some(until));
-        // 2⁻²⁰ ms of the master's way, which 2⁻²² pulse at a sixteenth of a pulse/ms make.
-        self.slack += Fix(1 << 46) * self.table.curve.steepest * lead.velocity.abs();
+        // 2⁻³⁴ ms of the master's way: delays add up to no more.
+        self.slack += Fix(1 << 30) * self.table.curve.steepest * lead.velocity.abs();
         Some(at)
     }
 
@@ -505,6 +505,9 @@ impl Slave {
         }
         if was_held {
             self.resume(at, None);
+        } else {
+            // What held it last was over before this instant.
+            self.held = false;
         }
         let ratio = if was_held { Rational::zero() } else { self.table.curve.slope(self.place, true).rational() };
         if !was_held && self.place != Fix::ZERO {

@@ -233,7 +233,8 @@ fn reach() -> usize {
 fn edges(what: &str, mine: Vec<(f64, u8, bool)>, theirs: &[(i64, u8, bool)], end: f64) -> Result<(), String> {
     let settled = |edges: Vec<(f64, u8, bool)>| {
         let mut left: Vec<(f64, u8, bool)> = Vec::new();
-        for edge in edges.into_iter().filter(|edge| edge.0 >= 0.0 && edge.0 < end - 0.001) {
+        // No edge falls on a bound like this, and so on either side of it by rounding.
+        for edge in edges.into_iter().filter(|edge| edge.0 >= 0.0 && edge.0 < end - 0.001_003_7) {
             // One that another takes back at its instant is none.
             let twin = left.iter().rposition(|last| last.1 == edge.1).filter(|at| (left[*at].0 - edge.0).abs() < 1e-9);
             match twin {

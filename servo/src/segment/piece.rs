@@ -121,7 +121,11 @@ impl Piece {
     /// A cubic from `start` at τ = 0.
     #[inline(always)]
     pub fn cubic(begin: Ns, span: u64, start: Exact, motion: Motion) -> Piece {
-        Piece { begin, span, motion, start: start.round(), fast: FastPiece::of(span, start, &motion) }
+        // The low bits as a number with a sign: what was rounded up has a negative remainder.
+        let start_remainder = (start.0 as u64 >> (CUT_BITS - REMAINDER_BITS)) as i32;
+        let mut fast = FastPiece::of(span, start, &motion);
+        fast.start_remainder = start_remainder;
+        Piece { begin, span, motion, start: start.round(), fast }
     }
 
     /// A piece of constant acceleration over whole ns: displacement `a`·τ + `b`·τ².
@@ -213,10 +217,23 @@ impl Piece {
 
     /// Position at the parameter `tau`, by exact products.
     pub fn pos_at(&self, tau: u64) -> Pos {
+        Pos(self.start.0.wrapping_add(to_pos(self.displacement(tau), self.motion.frac)))
+    }
+
+    /// Position at the parameter `tau`, to 2⁻⁵⁴ pulse and 2⁻⁵⁸ of the piece's displacement.
+    pub fn exact_at(&self, tau: u64) -> Exact {
+        let remainder = (self.fast.start_remainder as i128) << (CUT_BITS - REMAINDER_BITS);
+        let (s, up) = (self.displacement(tau) as i128, 64 - self.motion.frac);
+        let s = if up >= 0 { s << (up as u32 & 127) } else { s >> (up.unsigned_abs() & 127) };
+        Exact(Exact::from(self.start).0.wrapping_add(remainder).wrapping_add(s))
+    }
+
+    /// Displacement since τ = 0, 2^-frac pulse.
+    #[inline(always)]
+    fn displacement(&self, tau: u64) -> i64 {
         let ([c1, c2, c3], tau) = (self.motion.c, tau << 1);
         let u = c2.wrapping_add(mulhi_su(c3, tau) >> 1);
-        let s = mulhi_su(c1.wrapping_add(mulhi_su(u, tau) >> 1), tau);
-        Pos(self.start.0.wrapping_add(to_pos(s, self.motion.frac)))
+        mulhi_su(c1.wrapping_add(mulhi_su(u, tau) >> 1), tau)
     }
 
     /// Whether its whole way ends at `pos`, to 2⁻¹⁶ pulse.
@@ -251,6 +268,8 @@ fn to_pos(s: i64, frac: i32) -> i64 {
 
 /// Bits of an [`Exact`] below a [`Pos`].
 const CUT_BITS: u32 = 64 - Pos::FRAC_BITS;
+/// Those of them that a piece keeps.
+const REMAINDER_BITS: u32 = 32;
 
 impl Exact {
     /// To the nearest position.

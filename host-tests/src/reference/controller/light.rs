@@ -257,11 +257,10 @@ impl Controller {
     /// The values of an entry as they are taken.
     pub(super) fn laser_entry(&self, of: &Channel, command: Command) -> Result<Command, i16> {
         let family = self.setup.family;
-        let bounds = |ratio: f64, [min, max]: [f64; 2]| {
+        let bounds = |ratio: f64, [min, max]: [f64; 2]| -> Result<[f64; 2], i16> {
             range(ratio > 0.0 && ratio <= 4294967296.0 && min < max)?;
             let full = [0.0, of.law.most()];
-            take(family, min, full)?;
-            take(family, max, full)
+            Ok([take(family, min, full)?, take(family, max, full)?])
         };
         Ok(match command {
             Command::Power(power) => Command::Power(take_power(of, power)?),
@@ -269,18 +268,19 @@ impl Controller {
                 Command::Source { encoder, start: Some(take_power(of, start)?) }
             }
             Command::Ratio([ratio, min, max]) => {
-                bounds(ratio, [min, max])?;
-                command
+                let [min, max] = bounds(ratio, [min, max])?;
+                Command::Ratio([ratio, min, max])
             }
             Command::Follow(ratio, [min, max]) => {
-                bounds(ratio, [min.into(), max.into()])?;
-                command
+                let taken = bounds(ratio, [min.into(), max.into()])?;
+                Command::Follow(ratio, taken.map(|bound| bound as i32))
             }
             Command::Table(table, of_table) => {
                 range((1..=TABLES).contains(&table))?;
                 // One without points is a matter of the state.
-                either(of.law.tables[table as usize - 1].is_some(), bounds(1.0, of_table).is_ok())?;
-                command
+                let taken = bounds(1.0, of_table);
+                either(of.law.tables[table as usize - 1].is_some(), taken.is_ok())?;
+                Command::Table(table, taken?)
             }
             _ => command,
         })

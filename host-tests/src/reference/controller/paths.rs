@@ -305,7 +305,7 @@ impl Controller {
             // An arc needs to know where it begins: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
-        let ended = of.why == Some(Why::Interlock) && of.fifos[fifo].begins().is_none();
+        let ended = (of.hidden || of.why == Some(Why::Interlock)) && of.fifos[fifo].begins().is_none();
         if is_arc && (ended || of.fifos[fifo].lost) {
             // A program is admitted ahead, by where the path would have ended: docs/crd.md.
             self.open = Some("an arc that begins where an interlock has stopped a path");
@@ -460,6 +460,7 @@ impl Controller {
             let apart = |begin: [f64; 4]| begin.iter().zip(place).any(|(a, b)| (a - b).abs() > 1e-6);
             let elsewhere = begins.is_some_and(apart) || of.fifos[fifo].left.is_some_and(apart);
             let goes_on = of.fifos[fifo].left.is_some();
+            let comes_back = of.comes_back(fifo);
             of.start(fifo, ms(now));
             let mapped = of.set.as_ref().map_or([None; 4], |set| set.axes).into_iter().zip(place);
             // One whose coordinate is whole has come to where data ended.
@@ -475,6 +476,9 @@ impl Controller {
             let axes = of.set.as_ref().map_or([None; 4], |set| set.axes);
             if elsewhere {
                 self.open = Some("a FIFO that begins elsewhere");
+            }
+            if comes_back {
+                self.open = Some("a motion of FIFO 1 that comes back to where FIFO 0 was left");
             }
             axes.into_iter().flatten().for_each(|axis| (self.axes[axis].driven, self.axes[axis].began) = (true, true));
             *self.used.entry("paths started").or_default() += 1;

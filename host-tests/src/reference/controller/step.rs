@@ -45,10 +45,10 @@ impl Controller {
             // last of several knots it is linear for the slaves. A knot on the tick counts, and so
             // does where a Stop or an Update of the master acts.
             let follows = was_slave && !began;
-            let most = match master.map(|master| &self.axes[master.axis]) {
-                Some(of) if of.replanned || of.is_at_knot(Fix::ms(now)) => 3,
-                _ => 4,
-            };
+            let of = master.map(|master| &self.axes[master.axis]);
+            let replanned = of.is_some_and(|of| of.replanned);
+            let ends_at_knot = !replanned && of.is_some_and(|of| of.is_at_knot(Fix::ms(now)));
+            let most = if ends_at_knot || replanned { 3 } else { 4 };
             if follows && lead.as_ref().is_some_and(|lead| lead.track.len() > most && turns(lead.track)) {
                 open = Some("a master that turns between several knots in a tick");
             }
@@ -68,7 +68,7 @@ impl Controller {
             axis.step(before, now, lead.as_ref(), self.levels.inputs);
             if let (Some(Motion::Slave(slave)), Some(lead)) = (&axis.motion, &lead)
                 && slave.timed
-                && legs(lead.times) > 2
+                && legs(lead.times) > if ends_at_knot { 1 } else { 2 }
             {
                 open = Some("a delay of a slave whose master has several knots in a tick");
             }

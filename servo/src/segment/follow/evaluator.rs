@@ -18,7 +18,7 @@ mod pass_crossing;
 mod seek;
 mod switch;
 
-use super::curve::{EXACT_TO_POS_BITS, ceil, slope};
+use super::curve::{EXACT_TO_POS_BITS, slope};
 use super::entry::{Input, QueueEntry};
 use super::gear::Gear;
 use super::master_path::{MasterPath, PositionTrack, Section, TimedPosition};
@@ -33,6 +33,8 @@ pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
 const DELAY_CYCLE: FineNs = (CYCLE_NS as FineNs) << 32;
 const FINE_NS_PER_MS: FineNs = 1_000_000 << 32;
+/// From 2⁻⁶⁴ pulse to the unit of [`FollowRun::remainder`].
+const REMAINDER_DOWN: u32 = 11;
 /// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
 const SETTLE_STEPS: usize = 3 * ACTIONS;
 
@@ -194,6 +196,9 @@ state! {
         /// Progress, 2⁻⁶⁴ pulse, and slave at the beginning of the present pass.
         began: i128 = 0,
         origin: i128 = origin.0,
+        /// What the exact beginning has above `began`, 2⁻⁵³ pulse: `began` is rounded where a delay
+        /// or a wait ended.
+        remainder: i32 = 0,
         /// The slave does not go back before this entry of this pass.
         floor: (u32, u32) = (if setup.gear.is_some() { u32::MAX } else { 0 }, 0),
         /// It follows in both directions, and is just at its floor: a master that goes back does
@@ -357,8 +362,9 @@ impl FollowRun {
         context: &mut FollowContext<S, L>,
         mut track: Option<&mut PositionTrack>,
     ) -> FollowState {
-        let (from, to) = path.ends();
-        let mut end = self.open(path.now, from, to, context);
+        let to = path.last();
+        let first = path.sections().next().unwrap_or(Section::still(path.now, to));
+        let mut end = self.open(path.now, &first, to, context);
         for section in path.sections() {
             end = end.or_else(|| self.go(section, context, track.as_deref_mut()));
         }
@@ -376,12 +382,12 @@ impl FollowRun {
         }
     }
 
-    /// A tick begins with the master at `from`, and ends at `to`: takes added data into account,
-    /// and reads inputs.
+    /// A tick begins with a section of the master's path, and ends with the master at `to`: takes
+    /// added data into account, and reads inputs.
     pub(super) fn open<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         now: Ns,
-        from: Pos,
+        first: &Section,
         to: TimedPosition,
         context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
@@ -389,7 +395,7 @@ impl FollowRun {
         self.append(context);
         if let Wait::Input { input, index, high, until } = self.wait {
             if (context.level)(input, index) == high {
-                self.resume(from, context);
+                self.resume(first.from.pos, first.at(0), context);
             } else if until.is_some_and(|until| until <= context.base.wrapping_add(to.after as FineNs)) {
                 return Some(FollowState::TimedOut { at: self.knot(self.done, context) });
             }
@@ -482,14 +488,12 @@ impl FollowRun {
             self.held = false;
         }
         let (knot, _) = entry.ends();
-        let reached = ceil(self.began.wrapping_add(knot));
+        let reached = self.began.wrapping_add(knot).wrapping_add((self.remainder as i128) << REMAINDER_DOWN);
+        let reached = Exact(if self.down { reached.wrapping_neg() } else { reached });
         self.done = index.wrapping_add(1);
         self.floor = (self.pass, self.done);
         let base = context.base;
-        let (from, to) = (section.from.pos, section.to.pos);
-        let reached_at =
-            Pos(if self.down { reached.wrapping_neg() } else { reached }).clamp(from.min(to), from.max(to));
-        let when = |section: &Section| base.wrapping_add(section.when(reached_at) as FineNs);
+        let when = |section: &Section| base.wrapping_add(section.when(reached) as FineNs);
         match entry.action() {
             QueueEntry::Output { group, bit, high } => {
                 if let Some(position) = context.actions.outputs.get_mut(context.actions.done.wrapping_sub(1)) {
@@ -533,13 +537,9 @@ impl FollowRun {
         if let Wait::Until(until) = self.wait {
             let after = until.saturating_sub(context.base);
             if after <= section.to.after as FineNs {
-                let after = after as u64;
-                section.from = TimedPosition { after, pos: section.at(after) };
-                self.resume(section.from.pos, context);
-                let progress = self.directed(section.to.pos);
-                if self.both || progress > self.furthest {
-                    (self.progress, self.furthest) = (progress, progress);
-                }
+                let exact = section.begin_at(after as u64);
+                self.resume(section.from.pos, exact, context);
+                self.reach(section.to.pos);
                 return false;
             }
         }
@@ -560,12 +560,23 @@ impl FollowRun {
         (self.next, self.open) = (NextPiece::Data, false);
     }
 
-    /// A delay or a wait is over with the master at `pos`: the next segment begins there.
-    fn resume<L>(&mut self, pos: Pos, context: &FollowContext<impl FollowEntries, L>) {
+    /// A delay or a wait is over with the master at `pos`, which is `exact` rounded: the next
+    /// segment begins at `pos`. Instants count from `exact`, so that no rounding adds up.
+    fn resume<L>(&mut self, pos: Pos, exact: Exact, context: &FollowContext<impl FollowEntries, L>) {
         self.wait = Wait::No;
         self.progress = self.directed(pos);
         self.furthest = self.progress;
         let (knot, _) = self.ends_before(self.done, context);
         self.began = ((self.progress as i128) << EXACT_TO_POS_BITS).wrapping_sub(knot);
+        let remainder = (exact.0.wrapping_sub(Exact::from(pos).0) >> REMAINDER_DOWN) as i32;
+        self.remainder = if self.down { remainder.wrapping_neg() } else { remainder };
+    }
+
+    /// The master is at `to`.
+    fn reach(&mut self, to: Pos) {
+        let progress = self.directed(to);
+        if self.both || progress > self.furthest {
+            (self.progress, self.furthest) = (progress, progress);
+        }
     }
 }

@@ -156,7 +156,7 @@ impl Follower {
         let to = TimedPosition { after: period.0 << 32, pos: to };
         let section = Section { now, from: TimedPosition { after: 0, pos: last }, to, piece: along, shift };
         self.run
-            .open(now, last, to, context)
+            .open(now, &section, to, context)
             .or_else(|| self.run.go(section, context, track))
             .or_else(|| self.run.close(now, to, master_sample.named, context))
             .unwrap_or(FollowState::Running)

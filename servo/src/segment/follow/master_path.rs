@@ -6,9 +6,9 @@
 //! the path between the first and the last of them is a straight line; so is the path of a slave
 //! with slaves of its own between its positions.
 use super::curve::{bend, slope};
-use crate::math::wide::{mulhi_su, umulhi};
+use crate::math::wide::umulhi;
 use crate::segment::piece::Piece;
-use crate::units::{Ns, Pos};
+use crate::units::{Exact, Ns, Pos};
 
 /// Positions of a path at most: begin and end, two turning points in either of two pieces, both
 /// ends of the interval between these.
@@ -164,9 +164,9 @@ impl<'a> MasterPath<'a> {
         }
     }
 
-    /// The master's position at the tick in force, and at the next.
-    pub(super) fn ends(&self) -> (Pos, TimedPosition) {
-        (self.track.spots().first().copied().unwrap_or_default().pos, self.track.last())
+    /// The master's position at the next tick.
+    pub(super) fn last(&self) -> TimedPosition {
+        self.track.last()
     }
 
     /// Sections in order.
@@ -237,42 +237,46 @@ impl Section<'_> {
     }
 
     /// The master's position at a time since the tick in force, inside the section.
-    pub(super) fn at(&self, after: u64) -> Pos {
-        if after >= self.to.after {
-            return self.to.pos;
+    pub(super) fn at(&self, after: u64) -> Exact {
+        if let Some(piece) = self.piece {
+            let shift = Exact::from(Pos(self.shift));
+            return Exact(piece.exact_at(tau(self.now, piece, after)).0.wrapping_add(shift.0));
         }
-        let (low, high) =
-            if self.from.pos <= self.to.pos { (self.from.pos, self.to.pos) } else { (self.to.pos, self.from.pos) };
-        let pos = match self.piece {
-            Some(piece) => pos(self.now, piece, self.shift, after),
-            None => {
-                let length = self.to.after.wrapping_sub(self.from.after);
-                let part = share(after.saturating_sub(self.from.after), length);
-                let path = self.to.pos.0.wrapping_sub(self.from.pos.0);
-                Pos(self.from.pos.0.wrapping_add(mulhi_su(path, part)))
-            }
-        };
-        pos.clamp(low, high)
+        let (from, to) = (Exact::from(self.from.pos), self.to.pos.0.wrapping_sub(self.from.pos.0));
+        let length = self.to.after.wrapping_sub(self.from.after);
+        let part = share(after.saturating_sub(self.from.after) as u128, length as u128);
+        Exact(from.0.wrapping_add((to as i128).wrapping_mul(part as i128) >> Pos::FRAC_BITS))
     }
 
-    /// The time since the tick in force at which the master is at `pos`, which lies in the section.
-    pub(super) fn when(&self, pos: Pos) -> u64 {
-        if pos == self.from.pos {
-            return self.from.after;
-        }
-        if pos == self.to.pos {
-            return self.to.after;
-        }
+    /// The time since the tick in force at which the master is at `pos`; at the nearest end of the
+    /// section where that is outside.
+    pub(super) fn when(&self, pos: Exact) -> u64 {
+        let (begin, end) = (self.from.after, self.to.after);
         let up = self.to.pos > self.from.pos;
-        if self.piece.is_none() {
-            let part = share(pos.0.abs_diff(self.from.pos.0), self.to.pos.0.abs_diff(self.from.pos.0));
-            let length = self.to.after.wrapping_sub(self.from.after);
-            return self.from.after.wrapping_add(umulhi(length, part));
+        let left = |after| {
+            let left = pos.0.wrapping_sub(self.at(after).0);
+            if up { left } else { left.wrapping_neg() }
+        };
+        if self.to.pos == self.from.pos || left(begin) <= 0 {
+            return begin;
         }
-        bisect(self.from.after, self.to.after, |after| {
-            let at = self.at(after);
-            if up { at < pos } else { at > pos }
-        })
+        if left(end) >= 0 {
+            return end;
+        }
+        // Within 2⁻²⁴ of the section it moves evenly.
+        let steps = if self.piece.is_some() { 24 } else { 0 };
+        let (low, high) = bracket(begin, end, steps, |after| left(after) > 0);
+        let first = left(low);
+        let part = share(first as u128, first.wrapping_sub(left(high)) as u128);
+        low.wrapping_add(umulhi(high.wrapping_sub(low), part))
+    }
+
+    /// Begins at a later time. Returns the master's position there.
+    pub(super) fn begin_at(&mut self, after: u64) -> Exact {
+        let at = self.at(after);
+        let (low, high) = (self.from.pos.min(self.to.pos), self.from.pos.max(self.to.pos));
+        self.from = TimedPosition { after, pos: at.round().clamp(low, high) };
+        at
     }
 }
 
@@ -289,8 +293,13 @@ pub(super) fn is_plain(piece: &Piece, now: Ns) -> bool {
 }
 
 /// The first time in a range at which something no longer holds, to 2⁻⁴⁰ of the range.
-pub(super) fn bisect(mut low: u64, mut high: u64, holds: impl Fn(u64) -> bool) -> u64 {
-    for _ in 0..40 {
+pub(super) fn bisect(low: u64, high: u64, holds: impl Fn(u64) -> bool) -> u64 {
+    bracket(low, high, 40, holds).1
+}
+
+/// The times before and after which it no longer holds, to 2^-`steps` of the range.
+fn bracket(mut low: u64, mut high: u64, steps: u32, holds: impl Fn(u64) -> bool) -> (u64, u64) {
+    for _ in 0..steps {
         let middle = low.wrapping_add(high.wrapping_sub(low) >> 1);
         if holds(middle) {
             low = middle;
@@ -298,10 +307,12 @@ pub(super) fn bisect(mut low: u64, mut high: u64, holds: impl Fn(u64) -> bool) -
             high = middle;
         }
     }
-    high
+    (low, high)
 }
 
-/// a/b in 2⁻⁶⁴ for a < b.
-fn share(a: u64, b: u64) -> u64 {
+/// a/b in 2⁻⁶⁴, below 1.
+fn share(a: u128, b: u128) -> u64 {
+    let down = 64u32.saturating_sub(b.leading_zeros());
+    let (a, b) = ((a >> down) as u64, (b >> down) as u64);
     crate::math::wide::Recip::of(b).ratio(a.min(b.saturating_sub(1)))
 }

@@ -24,7 +24,7 @@ pub(super) fn record(
         // from.
         let knot = piece.begin.0 as i64;
         let pos = Pos(if down { knot.wrapping_neg() } else { knot });
-        let after = section.when(pos.clamp(from.pos.min(to.pos), from.pos.max(to.pos)));
+        let after = section.when(pos.into());
         track.push(after, piece.start);
         leg = (knot, after);
     } else if piece.begin != old.begin && piece.span != 0 && old.span != 0 {
@@ -34,7 +34,7 @@ pub(super) fn record(
             let span = if end { piece.span } else { 0 };
             let knot = piece.begin.0.wrapping_add(span) as i64;
             let pos = Pos(if down { knot.wrapping_neg() } else { knot });
-            let after = section.when(pos.clamp(from.pos.min(to.pos), from.pos.max(to.pos)));
+            let after = section.when(pos.into());
             ((knot, after), if end { piece.at(span.saturating_sub(1)).0 } else { piece.start })
         };
         let ((left, end), (entered, begin)) = (edge(old, up), edge(piece, !up));

@@ -29,12 +29,15 @@ pub(super) struct FastPiece {
     base: i64,
     /// 2⁹⁵/length: t times it is τ in 2⁻⁹⁵.
     rate: [u32; 3],
+    /// Of a piece on the fast path or off it: what its exact start has above its rounded one,
+    /// 2⁻⁵⁴ pulse. It is here because there is room.
+    pub(super) start_remainder: i32,
 }
 
 impl FastPiece {
     /// For a piece off the fast path.
     pub(super) const NONE: FastPiece =
-        FastPiece { span: 0, power: 0, cubic: [0; 3], remainder: 0, base: 0, rate: [0; 3] };
+        FastPiece { span: 0, power: 0, cubic: [0; 3], remainder: 0, base: 0, rate: [0; 3], start_remainder: 0 };
 
     /// Of a piece from `start` at τ = 0.
     #[inline(always)]
@@ -71,6 +74,7 @@ impl FastPiece {
             remainder: (half >> (CUT_BITS - GUARD_BITS)) as i64 & ((1 << GUARD_BITS) - 1),
             base: (half >> CUT_BITS) as i64,
             rate,
+            start_remainder: 0,
         }
     }
 

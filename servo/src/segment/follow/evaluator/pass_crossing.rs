@@ -63,26 +63,20 @@ impl FollowRun {
                     return None;
                 }
                 self.start(at);
-                section.from = TimedPosition { after: section.when(at), pos: at };
+                section.from = TimedPosition { after: section.when(at.into()), pos: at };
             }
             Wait::Until(until) => {
                 let after = until.saturating_sub(context.base);
                 if after > section.to.after as FineNs {
                     return None;
                 }
-                let after = after as u64;
-                let pos = section.at(after);
-                self.resume(pos, context);
-                section.from = TimedPosition { after, pos };
+                let exact = section.begin_at(after as u64);
+                self.resume(section.from.pos, exact, context);
             }
             Wait::Input { .. } | Wait::Start => return None,
             Wait::No => {}
         }
-        let progress = self.directed(section.to.pos);
-        if self.both || progress > self.furthest {
-            self.progress = progress;
-            self.furthest = progress;
-        }
+        self.reach(section.to.pos);
         self.settle(&mut section, context)
     }
 
@@ -92,5 +86,6 @@ impl FollowRun {
         self.progress = self.directed(pos);
         self.furthest = self.progress;
         self.began = (self.progress as i128) << EXACT_TO_POS_BITS;
+        self.remainder = 0;
     }
 }

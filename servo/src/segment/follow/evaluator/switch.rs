@@ -29,13 +29,14 @@ impl FollowRun {
             return false;
         }
         if self.wait != Wait::No {
-            self.resume(pos, context);
+            self.resume(pos, pos.into(), context);
         }
         let (position, tau) = self.position();
         let moves = (self.progress as u64).wrapping_sub(self.piece.begin.0) < self.piece.span;
         let ratio = if moves { ratio_at(&self.piece.motion, tau) } else { 0 };
         let began = (self.progress as i128) << EXACT_TO_POS_BITS;
         let origin = (position.0 as i128) << EXACT_TO_POS_BITS;
+        self.remainder = 0;
         if method == Method::Table {
             self.enter_other(began, origin, ratio, true, context);
             return true;
@@ -120,6 +121,7 @@ impl FollowRun {
         self.down = !self.down;
         self.progress = self.progress.wrapping_neg();
         self.began = self.began.wrapping_neg();
+        self.remainder = self.remainder.wrapping_neg();
         self.carried = self.carried.wrapping_neg();
     }
 
