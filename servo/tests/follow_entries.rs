@@ -75,6 +75,54 @@ fn a_delay_ends_at_its_exact_instant_whatever_the_tick() {
     }
 }
 
+/// A loop with a delay, over a master of two speeds whose knots are no whole pulses: rounding of
+/// its position where delays begin and end does not add up.
+#[test]
+fn delays_in_a_loop_do_not_drift() {
+    const DELAY_MS: f64 = 0.25;
+    let (length, slave) = (2.3, 4.1);
+    // At 10/3 and 47/21 pulse/ms, from the tick at which it starts.
+    let [(one, one_ms), (both, both_ms)] = [(70.0 / 3.0, 7.0), (70.0 / 3.0 + 94.0 / 3.0, 21.0)];
+    let position = |ms: f64| {
+        let (pass, ms) = ((ms / both_ms).floor(), ms.rem_euclid(both_ms));
+        let within =
+            if ms < one_ms { one * ms / one_ms } else { one + (both - one) * (ms - one_ms) / (both_ms - one_ms) };
+        pass * both + within
+    };
+    let instant = |x: f64| {
+        let (pass, x) = ((x / both).floor(), x.rem_euclid(both));
+        let within = if x < one { x / one * one_ms } else { one_ms + (x - one) / (both - one) * (both_ms - one_ms) };
+        pass * both_ms + within
+    };
+    let mut bench = Bench::prepared(250, MotionMode::FollowEx);
+    bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
+    bench.follows(1, 0, MasterPosition::Planned);
+    bench.follow(1, 0, &[Item::Data(length, slave, 1, 0), Item::Delay(1)]);
+    bench.now(TickCommand::FollowLoop { axis: axis(1), passes: 0 });
+    bench.now(TickCommand::PtLoop { axis: axis(0), passes: 0 });
+    bench.start_follow(&[1]);
+    bench.pt(0, 0, &[(one, 7, 1), (both, 21, 1)]);
+    bench.start(&[0]);
+    bench.tick();
+    let (mut pass, mut began, mut worst) = (0.0, 0.0, 0.0f64);
+    for tick in 1..=40_000 {
+        let view = bench.tick();
+        let x = position(f64::from(tick) * 0.25);
+        loop {
+            let next = position(instant(began + length) + DELAY_MS);
+            if x < next {
+                break;
+            }
+            (pass, began) = (pass + 1.0, next);
+        }
+        let s = slave * (pass + ((x - began) / length).min(1.0));
+        worst = worst.max((pulses(view.axes[1].pos) - s).abs());
+    }
+    assert!(pass > 5000.0, "{pass} passes");
+    // The master's position, where the segment began and where it is, and the slave's own.
+    assert!(worst < 2f64.powi(-20), "{worst}");
+}
+
 #[test]
 fn a_delay_on_a_curve_of_the_master() {
     // The master accelerates: x = t²/4096 pulses, t in ms; reached at t = 64·√10.1.

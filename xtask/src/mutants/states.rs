@@ -6,6 +6,7 @@ const SPEEDS: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "-
 const GAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "delays_and_waits_follow"];
 const SWITCH: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "a_switch_after_a_delay"];
 const REST: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "a_delay_that_ends_while_its_master"];
+const DRIFT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "delays_in_a_loop_do_not_drift"];
 
 /// In the order of the list of programs in docs/evidence.md.
 pub const STATES: &[Mutant] = &[
@@ -40,8 +41,22 @@ pub const STATES: &[Mutant] = &[
     Mutant {
         name: "slave: a delay after a delay begins a hair late",
         file: "servo/src/segment/follow/master_path.rs",
-        text: "        if pos == self.from.pos {\n            return self.from.after;\n        }\n",
+        text: "        if self.to.pos == self.from.pos || left(begin) <= 0 {\n            return begin;\n        }\n",
         broken: "",
         test: GAPS,
+    },
+    Mutant {
+        name: "slave: a delay in a loop counts from a rounded position",
+        file: "servo/src/segment/follow/evaluator.rs",
+        text: ">> REMAINDER_DOWN) as i32;",
+        broken: ">> REMAINDER_DOWN) as i32 & 0;",
+        test: DRIFT,
+    },
+    Mutant {
+        name: "slave: the pieces of its master begin at rounded positions",
+        file: "servo/src/segment/piece.rs",
+        text: "fast.start_remainder = start_remainder;",
+        broken: "fast.start_remainder = start_remainder & 0;",
+        test: DRIFT,
     },
 ];

@@ -568,8 +568,9 @@ impl FollowRun {
         self.furthest = self.progress;
         let (knot, _) = self.ends_before(self.done, context);
         self.began = ((self.progress as i128) << EXACT_TO_POS_BITS).wrapping_sub(knot);
-        let remainder = (exact.0.wrapping_sub(Exact::from(pos).0) >> REMAINDER_DOWN) as i32;
-        self.remainder = if self.down { remainder.wrapping_neg() } else { remainder };
+        let above = exact.0.wrapping_sub(Exact::from(pos).0);
+        // Rounded down: what comes directly after begins now, and not later.
+        self.remainder = (if self.down { above.wrapping_neg() } else { above } >> REMAINDER_DOWN) as i32;
     }
 
     /// The master is at `to`.
