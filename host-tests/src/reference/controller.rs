@@ -431,6 +431,9 @@ impl Controller {
                 if let Some(reply) = of.reply(now) {
                     *self.used.entry(of.tally()).or_default() += 1;
                     program.replies[next] = reply;
+                    if let Some(us) = of.change(now) {
+                        self.tick_ns = us * 1000;
+                    }
                     (clock, between, next) = (of.zero(), None, next + 1);
                 }
             }

@@ -79,7 +79,8 @@ impl Between {
             () => 0,
         };
         let reply = if code == 0 { Reply::Done(Value::None) } else { Reply::Code(code) };
-        let is_over = self.session.acted.is_none_or(|acted| now > acted);
+        // The next program may begin on the very tick on which it acts.
+        let is_over = self.session.acted.is_none_or(|acted| now > acted || now == acted && self.session.zero == acted);
         (now >= self.session.zero && is_over).then_some(reply)
     }
 
