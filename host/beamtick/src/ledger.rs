@@ -127,8 +127,8 @@ impl<'s> Ledger<'s> {
         self.state.borrow().noted(index).map(|entry| entry.from.clone())
     }
 
-    /// What `look` finds at the step of an entry, by the number of an item of it.
-    pub fn look<T>(&self, index: u32, item: u16, look: impl FnOnce(&Step) -> T) -> Option<T> {
+    /// What `with_step` finds at the step of an entry, by the number of an item of it.
+    pub fn with_step<T>(&self, index: u32, item: u16, look: impl FnOnce(&Step) -> T) -> Option<T> {
         let state = self.state.borrow();
         if index >= state.first {
             let number = state.noted(index)?.from.step(item)?;
@@ -197,7 +197,7 @@ mod tests {
         let mut count = 0u32;
         while ledger.next_call().is_some() {
             let line = |step: &Step| step.line;
-            let found = ledger.look(count, u16::MAX, line);
+            let found = ledger.with_step(count, u16::MAX, line);
             // Each step is an entry; what follows them is none of the script.
             assert_eq!(found, steps.get(count as usize).map(line), "{count}");
             ledger.answered(count, false);
@@ -206,10 +206,10 @@ mod tests {
         assert_eq!((ledger.total(), ledger.broken()), (count, None));
         assert!(steps.len() > 20_000 && ledger.state.borrow().window.is_empty());
         for index in [0, 1, 777, steps.len() as u32 - 1] {
-            let found = ledger.look(index, u16::MAX, Step::clone);
+            let found = ledger.with_step(index, u16::MAX, Step::clone);
             assert_eq!(found.as_ref(), steps.get(index as usize), "{index}");
         }
-        assert_eq!(ledger.look(steps.len() as u32, u16::MAX, Step::clone), None);
+        assert_eq!(ledger.with_step(steps.len() as u32, u16::MAX, Step::clone), None);
     }
 
     #[test]

@@ -97,13 +97,13 @@ pub struct Writer<'a> {
     /// None if nobody asks for it: it takes as long as all else.
     time: Option<Estimate>,
     /// The first mark with power in proportion to a speed that the machine does not reach there.
-    hasty: Option<Hasty>,
+    unreached_speed: Option<UnreachedSpeed>,
     watch: Option<Watch<'a>>,
 }
 
 /// A mark that asks for more speed than the machine reaches there, mm/min.
 #[derive(Debug, Clone, Copy)]
-struct Hasty {
+struct UnreachedSpeed {
     line: usize,
     asked: f64,
     reached: f64,
@@ -117,8 +117,8 @@ fn corner_ms(machine: &Machine) -> f64 {
     machine.axes.iter().map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// See [`Writer::mark`].
-pub struct Mark {
+/// See [`Writer::checkpoint`].
+pub struct Checkpoint {
     size: usize,
     at: [i64; 3],
     power: Option<Power>,
@@ -153,7 +153,7 @@ impl<'a> Writer<'a> {
             length: [0.0; 2],
             marked: vec![0.0; machine.lasers.len()],
             time: Some(Estimate::new(machine, at, corner_ms(machine))),
-            hasty: None,
+            unreached_speed: None,
             watch: None,
         };
         writer.begin(name, each);
@@ -410,7 +410,7 @@ impl<'a> Writer<'a> {
 
     /// What the user ought to know of the job: its line, where it has one, and the text.
     pub fn notes(&self) -> Vec<(usize, String)> {
-        let hasty = self.hasty.iter().map(|Hasty { line, asked, reached }| {
+        let hasty = self.unreached_speed.iter().map(|UnreachedSpeed { line, asked, reached }| {
             let text = format!(
                 "{asked:.0} mm/min are asked for, and the machine reaches {reached:.0} there; light whose power follows \
                  the speed stays weaker"
@@ -442,7 +442,7 @@ impl<'a> Writer<'a> {
     }
 
     /// The path begins anew, dark, at these pulses; in mm that is returned.
-    pub fn stand(&mut self, pulses: [f64; 3]) -> [i128; 3] {
+    pub fn restart_at(&mut self, pulses: [f64; 3]) -> [i128; 3] {
         self.power = None;
         let mut mm = [0; 3];
         for (place, scale) in self.scales.iter().enumerate() {
@@ -453,12 +453,12 @@ impl<'a> Writer<'a> {
     }
 
     /// What a line that fails must not change.
-    pub fn mark(&self) -> Mark {
-        Mark { size: self.text.len(), at: self.at, power: self.power, entries: self.entries }
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint { size: self.text.len(), at: self.at, power: self.power, entries: self.entries }
     }
 
     /// As it was then.
-    pub fn back(&mut self, mark: &Mark) {
+    pub fn restore(&mut self, mark: &Checkpoint) {
         self.text.truncate(mark.size);
         (self.at, self.power, self.entries) = (mark.at, mark.power, mark.entries);
     }

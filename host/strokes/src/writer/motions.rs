@@ -2,7 +2,7 @@
 //!
 //! In: a stroke, in mm. Out: its calls, in the writer's text. Owns nothing. Fails: no stroke does;
 //! where the controller has no arc as near as the machine's tolerance, lines replace it.
-use super::{Hasty, Light, Power, Shape, Stroke, Writer, norm};
+use super::{Light, Power, Shape, Stroke, UnreachedSpeed, Writer, norm};
 use crate::arc::Arc;
 use crate::exact::{ONE, to_f64};
 use crate::number::Number;
@@ -78,7 +78,7 @@ impl Writer<'_> {
             let asked = speed * self.feed;
             // Rates of directions are rounded.
             if asked > rate * 1.000_001 {
-                self.hasty.get_or_insert(Hasty { line: stroke.line, asked, reached: rate });
+                self.unreached_speed.get_or_insert(UnreachedSpeed { line: stroke.line, asked, reached: rate });
             }
         }
         stroke.speed.map_or(rate * self.rapid, |speed| (speed * self.feed).min(rate))
