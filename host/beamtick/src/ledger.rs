@@ -17,22 +17,22 @@ pub struct Ledger<'s> {
     source: &'s Source,
     version: VersionReply,
     traced: bool,
-    state: RefCell<State<'s>>,
+    state: RefCell<LedgerState<'s>>,
     total: OnceCell<u32>,
 }
 
-struct State<'s> {
+struct LedgerState<'s> {
     entries: Entries<'s>,
     /// Entries that the client has, from this number on.
     first: u32,
-    window: VecDeque<Sent>,
+    window: VecDeque<SentEntry>,
     before: Before,
     /// An entry failed: nothing is forgotten from then on.
     failed: bool,
 }
 
 /// An entry as far as somebody asks for it.
-struct Sent {
+struct SentEntry {
     from: From,
     opcode: u16,
     may_fail: bool,
@@ -52,7 +52,7 @@ pub struct Before {
 }
 
 impl Before {
-    fn add(&mut self, entry: &Sent) {
+    fn add(&mut self, entry: &SentEntry) {
         self.slept_ns = entry.sleep_ns.map_or(0, |ns| self.slept_ns + ns);
         self.sleeps_ns += entry.sleep_ns.unwrap_or(0);
         self.waited |= entry.opcode == WaitStop::OPCODE;
@@ -64,7 +64,7 @@ impl<'s> Ledger<'s> {
     pub fn new(source: &'s Source, version: VersionReply, traced: bool) -> Self {
         let entries = source.entries(version, traced);
         let (window, before) = (VecDeque::new(), Before::default());
-        let state = State { entries, first: 0, window, before, failed: false };
+        let state = LedgerState { entries, first: 0, window, before, failed: false };
         Ledger { source, version, traced, state: RefCell::new(state), total: OnceCell::new() }
     }
 
@@ -75,7 +75,7 @@ impl<'s> Ledger<'s> {
         let sleep = entry.call.opcode == Sleep::OPCODE;
         let sleep_ns = sleep.then(|| Sleep::read_from_bytes(&entry.call.payload).map_or(0, |sleep| sleep.ns.get()));
         let (opcode, may_fail) = (entry.call.opcode, entry.call.may_fail);
-        state.window.push_back(Sent { from: entry.from, opcode, may_fail, sleep_ns });
+        state.window.push_back(SentEntry { from: entry.from, opcode, may_fail, sleep_ns });
         Some(entry.call)
     }
 
@@ -144,8 +144,8 @@ impl<'s> Ledger<'s> {
     }
 }
 
-impl State<'_> {
-    fn noted(&self, index: u32) -> Option<&Sent> {
+impl LedgerState<'_> {
+    fn noted(&self, index: u32) -> Option<&SentEntry> {
         self.window.get(index.checked_sub(self.first)? as usize)
     }
 }
