@@ -25,6 +25,20 @@ pub mod status {
     pub const LIMITS: u32 = LIMIT_POSITIVE | LIMIT_NEGATIVE;
     /// Everything that stops an axis without a command.
     pub const FAULTS: u32 = ALARM | FOLLOWING_ERROR | LIMITS | STOP_SMOOTH | STOP_ABRUPT;
+    /// Each bit of [`FAULTS`], and what a user reads of it.
+    const FAULT_TEXTS: [(u32, &str); 6] = [
+        (ALARM, "drive alarm"),
+        (FOLLOWING_ERROR, "following error"),
+        (LIMIT_POSITIVE, "positive limit"),
+        (LIMIT_NEGATIVE, "negative limit"),
+        (STOP_SMOOTH, "smooth stop by input"),
+        (STOP_ABRUPT, "abrupt stop by input"),
+    ];
+
+    /// The texts of the faults of a status word.
+    pub fn faults(word: u32) -> impl Iterator<Item = &'static str> {
+        FAULT_TEXTS.iter().filter(move |(bit, _)| word & bit != 0).map(|(_, text)| *text)
+    }
 }
 
 /// How a path came to standstill (`CrdState::path_stop`).
@@ -212,4 +226,17 @@ pub mod event {
     pub const SHUT_OFF: u8 = 8;
     /// A pulse width was limited: how often.
     pub const LIMITED: u8 = 9;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::status;
+
+    #[test]
+    fn every_fault_of_a_status_word_has_one_text() {
+        let mut bits = (0..32).map(|bit| 1 << bit);
+        assert!(bits.all(|bit| status::faults(bit).count() == usize::from(bit & status::FAULTS != 0)));
+        let faults = status::faults(status::LIMIT_NEGATIVE | status::RUNNING | status::ALARM);
+        assert!(faults.eq(["drive alarm", "negative limit"]));
+    }
 }

@@ -491,7 +491,7 @@ impl<const AXES: usize> Tick<AXES> {
                 break;
             }
             budget.spend(self.weigh(&entry.command));
-            let lights = self.lights(&entry.command);
+            let lights = self.changes_light(&entry.command);
             self.script.execute(instant, self.now, entry.seq, lights);
             match entry.command {
                 TickCommand::ProgramEnd => self.script.runs = false,

@@ -154,7 +154,7 @@ fn case(chance: &mut Chance, case: u64, count: &mut Count) {
         }
         count.starts += 1;
         count.prepared += (made > 0) as u32;
-        count.resumed += (made > 0 && both[0].path.goes_on(fifo)) as u32;
+        count.resumed += (made > 0 && both[0].path.continues(fifo)) as u32;
         both.iter_mut().for_each(|seen| seen.path.start(Ns(now), fifo, feed, &fifos));
         let mut stop = Some(chance.below(60_000_000 / period)).filter(|_| chance.below(3) > 0);
         let (abrupt, often) = (chance.below(2) == 0, chance.below(4));

@@ -39,7 +39,7 @@ const STEPS: [Step; 17] = [
     ("clippy, Cortex-M7", || alone(clippy_chip())),
     ("planted edits still apply", || alone(mutants::check())),
     ("links and sentences of the documentation", || alone(pages::check().and_then(|()| lines::check()))),
-    ("width of comments", || alone(comments::check())),
+    ("width of comments, length of files", || alone(comments::check())),
     ("bounds of rounding (Gappa)", || alone(proofs::where_gappa_is())),
     ("tests", || tests(host(["test"]).arg("--no-fail-fast"))),
     ("orderings of the rings, every interleaving (loom)", || tests(&mut loom())),

@@ -60,7 +60,7 @@ cargo xtask COMMAND
   planted [NAME]  plants faults that were found, and counts how many random programs find each
   doors           runs 1,000 random programs through every door and writes the table of docs/doors.md
   doors --page    writes the table from the counts of the last run
-  pages           checks links, sentences and names of code in the documentation, and the width of comments
+  pages           checks links, sentences and names of code in the documentation, the width of comments and the length of files
   proofs          proves the bounds of rounding from the code's own numbers (proofs/, by Gappa)
   embassy         what parts of embassy-stm32 would take in place of hal's (docs/decisions/024-embassy-stm32.md)
   lines           counts the lines of production code of servo and dispatcher

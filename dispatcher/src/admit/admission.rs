@@ -249,7 +249,7 @@ impl<'a, const AXES: usize> Admission<'a, AXES> {
     }
 
     /// Answers a read of a viewer, on the state of now: nothing changes.
-    pub fn look(&self, view: &View<AXES>, record: &RequestRecord, out: &mut ReplyWriter) -> Sent {
+    pub fn answer_viewer(&self, view: &View<AXES>, record: &RequestRecord, out: &mut ReplyWriter) -> Sent {
         let mut staged = Staged::default();
         let mut context = context!(self, view, DueInstant::UNKNOWN, staged);
         let admitted = match class(record.opcode).map(|class| class.kind) {

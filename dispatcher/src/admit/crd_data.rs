@@ -281,11 +281,11 @@ impl CrdFifoWrite<'_> {
     /// its own is left out.
     fn motion(&self, geometry: Geometry, stops: bool, speeds: LimitedSpeeds, data: &mut PathData) -> Option<Queued> {
         let LimitedSpeeds { vel, acc, end, along } = speeds;
-        let short = is_short(self.enters(data), acc, geometry.length);
+        let short = is_too_short_to_brake(self.enters(data), acc, geometry.length);
         data.leaves = self.leaves(data, geometry.length, acc, end);
         data.add_motion(geometry.end, geometry.sets() | self.undriven());
         if short {
-            data.end_short();
+            data.set_end_too_short();
         }
         if self.path.look.is_some() {
             return Some(Queued::Motion { geometry, vel, acc, stops });
@@ -313,7 +313,7 @@ impl CrdFifoWrite<'_> {
 }
 
 /// Whether a motion entered at this speed is too short to brake in.
-fn is_short(enters: f64, acc: f64, length: f64) -> bool {
+fn is_too_short_to_brake(enters: f64, acc: f64, length: f64) -> bool {
     enters * enters > 2.0 * acc * length
 }
 
@@ -425,7 +425,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(context: &Context<AXES>
         before.iter_mut().zip(to).for_each(|(before, to)| *before = to);
         if index + 1 == items.len() && !looks {
             let square = begin.iter().zip(before).fold(0.0, |sum, (from, to)| sum + (to - from) * (to - from));
-            short = is_short(ends.leaves.into(), admitted.acc, libm::sqrt(square));
+            short = is_too_short_to_brake(ends.leaves.into(), admitted.acc, libm::sqrt(square));
         }
         // Most lines are known to be slow enough without their length.
         if is_slow && ends.gears.0 == 0 && (looks || ends.leaves <= leaves) {
@@ -469,7 +469,7 @@ fn lines<R: Lines<N>, const N: usize, const AXES: usize>(context: &Context<AXES>
     let lasts = filling.give((queue, stores), queued);
     data.leaves = ends.leaves;
     if short {
-        data.end_short();
+        data.set_end_too_short();
     }
     Ok(filling.written(items.len(), lasts, data))
 }

@@ -47,7 +47,7 @@ impl Written {
 pub type TakenValues = ([f64; TAKEN_MAX], u8, u8);
 
 /// Values for the reply, with their number.
-pub fn took(values: &[f64], limited: u8) -> TakenValues {
+pub fn taken_values(values: &[f64], limited: u8) -> TakenValues {
     let mut all = [0.0; TAKEN_MAX];
     for (slot, value) in all.iter_mut().zip(values) {
         *slot = *value;

@@ -138,10 +138,10 @@ impl PathQueue {
                     if stops {
                         self.look.stop();
                     }
-                    self.place(store, entry, 0.0);
+                    self.append(store, entry, 0.0);
                 }
                 Queued::Entry(entry, ms) => {
-                    self.place(store, entry, ms);
+                    self.append(store, entry, ms);
                     if self.look.is_empty() {
                         // The entry handed over last ends at standstill.
                         self.hand_over(1);
@@ -197,7 +197,7 @@ impl PathQueue {
     }
 
     /// An entry into the next slot of the store.
-    fn place(&mut self, store: &EntryStore, entry: PathEntry, ms: f64) {
+    fn append(&mut self, store: &EntryStore, entry: PathEntry, ms: f64) {
         self.set_time(self.next, ms);
         store.write(self.next, entry);
         self.next = self.next.wrapping_add(1);

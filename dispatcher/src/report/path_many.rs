@@ -2,7 +2,7 @@
 //! given, and the calls before one that is refused.
 //!
 //! In: the values that a lane keeps. Out: items of the reply. A call keeps a word, which has its
-//! number, its `held` and whether two values follow, and then the one or two values.
+//! number, its `limited_values` and whether two values follow, and then the one or two values.
 use crate::bounded_vec::collect;
 use crate::report::answer::Sent;
 use heapless::Vec;
@@ -25,7 +25,7 @@ pub fn kept(call: u16, held: u8, values: &[f64]) -> impl Iterator<Item = f64> {
 }
 
 /// What calls did not take as it was given, from the values that were kept.
-fn held(values: &mut dyn Iterator<Item = f64>) -> Vec<PathHeld, HELD_MAX> {
+fn limited_values(values: &mut dyn Iterator<Item = f64>) -> Vec<PathHeld, HELD_MAX> {
     collect(core::iter::from_fn(move || {
         let word = values.next()? as u32;
         let (first, second) = (values.next()?, if word & 1 == 1 { values.next()? } else { 0.0 });
@@ -43,7 +43,7 @@ pub fn done(
     kept: &mut dyn Iterator<Item = f64>,
     out: &mut ReplyWriter,
 ) -> Sent {
-    out.push_raw(opcode, tag, 0, &[taken.as_bytes(), held(kept).as_bytes()])
+    out.push_raw(opcode, tag, 0, &[taken.as_bytes(), limited_values(kept).as_bytes()])
 }
 
 /// Writes a refusal, and the reply to the calls before the one that it names.
@@ -54,7 +54,7 @@ pub fn refused(
     kept: &mut dyn Iterator<Item = f64>,
     out: &mut ReplyWriter,
 ) -> Sent {
-    let held = held(kept);
+    let held = limited_values(kept);
     let code = Reason::from_number(refusal.reason.get()).map_or(Code::State, Reason::code);
     let before = usize::from(refusal.item.get());
     let held = held.get(..held.partition_point(|held| usize::from(held.call.get()) < before)).unwrap_or(&[]);

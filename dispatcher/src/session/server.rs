@@ -259,11 +259,11 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
 
     /// Answers a read of a viewer, who has no session here. It cannot change anything, and counts
     /// for nothing: neither for the session nor for the link-loss time.
-    pub fn look(&self, record: &RequestRecord, out: &mut ReplyWriter) -> Answered {
+    pub fn answer_viewer(&self, record: &RequestRecord, out: &mut ReplyWriter) -> Answered {
         let view = self.view.last();
         match record.opcode {
             opcode::ProgramStatus => self.program.status(view, record.opcode, record.tag, out),
-            _ => self.handler.admission.look(view, record, out),
+            _ => self.handler.admission.answer_viewer(view, record, out),
         }
         .into()
     }

@@ -332,7 +332,7 @@ impl CrdShadow {
             CrdChange::Lag(ms) => self.lag_ms = ms,
             CrdChange::Started { fifo, may_fail } => {
                 if let Some(here) = self.here.take() {
-                    self.path_mut(fifo).data.stand_at(&here);
+                    self.path_mut(fifo).data.set_known_position(&here);
                 }
                 self.leave(fifo ^ 1, seq);
                 (self.fifo, self.started, self.busy) = (fifo, Some(seq), Some(seq));
@@ -373,7 +373,7 @@ impl CrdShadow {
             }
             // What has no target stays where the path is.
             if quiet && fifo == sampled.fifo && !path.left {
-                path.data.stand_at(&position_of(&sampled.position));
+                path.data.set_known_position(&position_of(&sampled.position));
             }
         }
     }
@@ -433,7 +433,7 @@ impl CrdShadow {
                     path.data.open();
                 }
                 if quiet {
-                    path.data.stand_at(&position_of(&sampled.position));
+                    path.data.set_known_position(&position_of(&sampled.position));
                 }
                 self.fed &= fifo != self.fifo;
             }

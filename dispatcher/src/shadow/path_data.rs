@@ -101,7 +101,7 @@ impl PathData {
         self.standstill != PathStandstill::Over
     }
     /// Its last motion may be too short to brake in.
-    pub fn end_short(&mut self) {
+    pub fn set_end_too_short(&mut self) {
         if self.standstill != PathStandstill::AtWait {
             self.standstill = PathStandstill::TooShort;
         }
@@ -150,7 +150,7 @@ impl PathData {
         others.for_each(|(at, _)| *at = f64::NAN);
     }
     /// The path stands here: it is known where it has no target.
-    pub(super) fn stand_at(&mut self, here: &Position) {
+    pub(super) fn set_known_position(&mut self, here: &Position) {
         let unknown = self.position.iter_mut().zip(here).filter(|(at, _)| at.is_nan());
         unknown.for_each(|(at, here)| *at = *here);
     }

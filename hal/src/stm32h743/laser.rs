@@ -478,7 +478,7 @@ impl Lasers {
         ) else {
             return;
         };
-        if !*is_live && self.state == State::Runs && delayed.lights() {
+        if !*is_live && self.state == State::Runs && delayed.makes_light() {
             // All cycles queued so far are dark: at least one tick has passed since the safe state.
             *is_live = revive(channel);
         }

@@ -120,7 +120,7 @@ pub struct Entries<'s> {
     traced: bool,
     ending: Ending,
     tick_ns: u64,
-    run: Option<Run>,
+    run: Option<FifoData>,
     /// Entries that are made and not handed over.
     due: VecDeque<Entry>,
     /// The number of the next step, and the steps before it that are kept.
@@ -189,7 +189,7 @@ impl<'s> Entries<'s> {
             if self.run.as_ref().is_some_and(|run| run.items.len() + item.len() > MERGED || run.key != key) {
                 self.finish();
             }
-            let open = self.run.get_or_insert_with(|| Run { key, items: Vec::new(), steps: Vec::new() });
+            let open = self.run.get_or_insert_with(|| FifoData { key, items: Vec::new(), steps: Vec::new() });
             open.items.extend_from_slice(item.as_bytes());
             open.steps.push(number);
             self.keep(step);
@@ -249,8 +249,8 @@ impl<'s> Entries<'s> {
 
     /// The data that travels together is complete.
     fn finish(&mut self) {
-        let Some(Run { key, items, steps }) = self.run.take() else { return };
-        let is_short = matches!(key, Key::Lines { .. }) && steps.len() < JOINED_MIN_LINES;
+        let Some(FifoData { key, items, steps }) = self.run.take() else { return };
+        let is_short = matches!(key, JoinKey::Lines { .. }) && steps.len() < JOINED_MIN_LINES;
         if is_short || steps.len() == 1 {
             for number in steps {
                 if let Some(Action::Call(call)) = self.step(number).map(|step| &step.action) {
@@ -262,11 +262,11 @@ impl<'s> Entries<'s> {
         }
         let count = (steps.len() as u16).into();
         let (opcode, mut payload) = match key {
-            Key::Pt(of) => {
+            JoinKey::Pt(of) => {
                 let [core, profile, fifo] = of.map(Into::into);
                 (PtDataMany::OPCODE, PtDataMany { core, profile, fifo, count }.as_bytes().to_vec())
             }
-            Key::Lines { number, of, speeds } => {
+            JoinKey::Lines { number, of, speeds } => {
                 let [core, crd, fifo] = of.map(Into::into);
                 let [syn_vel, syn_acc, vel_end] = speeds.map(|bits| f64::from_bits(bits).into());
                 // Both heads are alike.
@@ -324,15 +324,15 @@ fn leave(entries: &mut VecDeque<Entry>, job: &Job, version: &VersionReply) {
 }
 
 /// Data of one FIFO, not sent yet.
-struct Run {
-    key: Key,
+struct FifoData {
+    key: JoinKey,
     items: Vec<u8>,
     steps: Vec<usize>,
 }
 
 /// What data has in common that travels together.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Key {
+enum JoinKey {
     /// Of PT: core, axis, FIFO.
     Pt([i16; 3]),
     /// Lines in X and Y, or X, Y and Z: core, coordinate system, FIFO; synVel, synAcc and velEnd.
@@ -362,18 +362,19 @@ impl Item {
 
 /// Data that may travel with others, as an item. Data that an item cannot hold, or that may fail,
 /// travels alone.
-fn datum(action: &Action) -> Option<(Key, Item)> {
+fn datum(action: &Action) -> Option<(JoinKey, Item)> {
     let Action::Call(call) = action else { return None };
     if call.may_fail {
         return None;
     }
-    let lines = |number, of: [i16; 3], speeds: [f64; 3]| Key::Lines { number, of, speeds: speeds.map(f64::to_bits) };
+    let lines =
+        |number, of: [i16; 3], speeds: [f64; 3]| JoinKey::Lines { number, of, speeds: speeds.map(f64::to_bits) };
     match call.opcode {
         PtData::OPCODE => {
             let data = PtData::read_from_bytes(&call.body).ok()?;
             let kind = u8::try_from(data.kind.get()).ok()?;
             let item = PtItem { pos: data.pos, time_ms: data.time_ms, kind };
-            Some((Key::Pt([data.core.get(), data.profile.get(), data.fifo.get()]), Item::Pt(item)))
+            Some((JoinKey::Pt([data.core.get(), data.profile.get(), data.fifo.get()]), Item::Pt(item)))
         }
         LnXY::OPCODE => {
             let line = LnXY::read_from_bytes(&call.body).ok()?;

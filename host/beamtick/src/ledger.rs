@@ -17,22 +17,22 @@ pub struct Ledger<'s> {
     source: &'s Source,
     version: VersionReply,
     traced: bool,
-    state: RefCell<State<'s>>,
+    state: RefCell<LedgerState<'s>>,
     total: OnceCell<u32>,
 }
 
-struct State<'s> {
+struct LedgerState<'s> {
     entries: Entries<'s>,
     /// Entries that the client has, from this number on.
     first: u32,
-    window: VecDeque<Sent>,
+    window: VecDeque<SentEntry>,
     before: Before,
     /// An entry failed: nothing is forgotten from then on.
     failed: bool,
 }
 
 /// An entry as far as somebody asks for it.
-struct Sent {
+struct SentEntry {
     from: From,
     opcode: u16,
     may_fail: bool,
@@ -52,7 +52,7 @@ pub struct Before {
 }
 
 impl Before {
-    fn add(&mut self, entry: &Sent) {
+    fn add(&mut self, entry: &SentEntry) {
         self.slept_ns = entry.sleep_ns.map_or(0, |ns| self.slept_ns + ns);
         self.sleeps_ns += entry.sleep_ns.unwrap_or(0);
         self.waited |= entry.opcode == WaitStop::OPCODE;
@@ -64,7 +64,7 @@ impl<'s> Ledger<'s> {
     pub fn new(source: &'s Source, version: VersionReply, traced: bool) -> Self {
         let entries = source.entries(version, traced);
         let (window, before) = (VecDeque::new(), Before::default());
-        let state = State { entries, first: 0, window, before, failed: false };
+        let state = LedgerState { entries, first: 0, window, before, failed: false };
         Ledger { source, version, traced, state: RefCell::new(state), total: OnceCell::new() }
     }
 
@@ -75,7 +75,7 @@ impl<'s> Ledger<'s> {
         let sleep = entry.call.opcode == Sleep::OPCODE;
         let sleep_ns = sleep.then(|| Sleep::read_from_bytes(&entry.call.payload).map_or(0, |sleep| sleep.ns.get()));
         let (opcode, may_fail) = (entry.call.opcode, entry.call.may_fail);
-        state.window.push_back(Sent { from: entry.from, opcode, may_fail, sleep_ns });
+        state.window.push_back(SentEntry { from: entry.from, opcode, may_fail, sleep_ns });
         Some(entry.call)
     }
 
@@ -127,8 +127,8 @@ impl<'s> Ledger<'s> {
         self.state.borrow().noted(index).map(|entry| entry.from.clone())
     }
 
-    /// What `look` finds at the step of an entry, by the number of an item of it.
-    pub fn look<T>(&self, index: u32, item: u16, look: impl FnOnce(&Step) -> T) -> Option<T> {
+    /// What `with_step` finds at the step of an entry, by the number of an item of it.
+    pub fn with_step<T>(&self, index: u32, item: u16, look: impl FnOnce(&Step) -> T) -> Option<T> {
         let state = self.state.borrow();
         if index >= state.first {
             let number = state.noted(index)?.from.step(item)?;
@@ -144,8 +144,8 @@ impl<'s> Ledger<'s> {
     }
 }
 
-impl State<'_> {
-    fn noted(&self, index: u32) -> Option<&Sent> {
+impl LedgerState<'_> {
+    fn noted(&self, index: u32) -> Option<&SentEntry> {
         self.window.get(index.checked_sub(self.first)? as usize)
     }
 }
@@ -197,7 +197,7 @@ mod tests {
         let mut count = 0u32;
         while ledger.next_call().is_some() {
             let line = |step: &Step| step.line;
-            let found = ledger.look(count, u16::MAX, line);
+            let found = ledger.with_step(count, u16::MAX, line);
             // Each step is an entry; what follows them is none of the script.
             assert_eq!(found, steps.get(count as usize).map(line), "{count}");
             ledger.answered(count, false);
@@ -206,10 +206,10 @@ mod tests {
         assert_eq!((ledger.total(), ledger.broken()), (count, None));
         assert!(steps.len() > 20_000 && ledger.state.borrow().window.is_empty());
         for index in [0, 1, 777, steps.len() as u32 - 1] {
-            let found = ledger.look(index, u16::MAX, Step::clone);
+            let found = ledger.with_step(index, u16::MAX, Step::clone);
             assert_eq!(found.as_ref(), steps.get(index as usize), "{index}");
         }
-        assert_eq!(ledger.look(steps.len() as u32, u16::MAX, Step::clone), None);
+        assert_eq!(ledger.with_step(steps.len() as u32, u16::MAX, Step::clone), None);
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub fn monitor(arguments: &Monitor) -> Result<(), Failure> {
     }
     match &machine {
         Some(machine) if arguments.command => command(arguments, machine),
-        machine => look(arguments, machine.as_ref(), once),
+        machine => watch(arguments, machine.as_ref(), once),
     }
 }
 
@@ -67,7 +67,7 @@ fn viewed(name: &str, options: &LinkOptions) -> Result<Box<dyn Link>, Failure> {
     connect::named(name, options)
 }
 
-fn look(arguments: &Monitor, machine: Option<&Machine>, once: bool) -> Result<(), Failure> {
+fn watch(arguments: &Monitor, machine: Option<&Machine>, once: bool) -> Result<(), Failure> {
     let name = arguments.link.as_deref().unwrap_or(SERVED);
     let options = Options { read_only: true, ..Options::default() };
     let client = Client::open(viewed(name, &arguments.link_options)?, options)?;
@@ -170,14 +170,14 @@ impl<'a> Live<'a> {
         let left_ms = left_ms(progress.clock().as_secs_f64(), planned);
         let job = JobState { entries: entries.into(), done: done.into(), left_ms: left_ms.into() };
         let job = (job, self.source.name.clone());
-        if report.is_seen() {
+        if report.is_visible() {
             let mut state = State::read(client, &self.source.millimetres, Some(&progress.queue))?;
             state.job = Some(JobNow::of(&job));
             let lines: Vec<String> = block::machine(&state).into_iter().map(|line| line.text).collect();
             report.show(lines.join("\n"));
         }
         if let Some(share) = self.share {
-            share.tell(Known { program: progress.queue, job: Some(job) });
+            share.publish(Known { program: progress.queue, job: Some(job) });
         }
         Ok(())
     }

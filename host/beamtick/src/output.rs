@@ -160,7 +160,7 @@ pub fn leave() -> Vec<Kept> {
 }
 
 /// The file that a name means, however it is written.
-fn place(name: &Path) -> PathBuf {
+fn resolved(name: &Path) -> PathBuf {
     let folder = name.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let beside =
         || folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(name.file_name().unwrap_or_default());
@@ -171,7 +171,7 @@ fn place(name: &Path) -> PathBuf {
 /// another output. `outputs`: the option, the name, whether it is a picture.
 pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), Failure> {
     let mut taken: Vec<(PathBuf, String)> =
-        inputs.iter().map(|name| (place(name), format!("the command reads {}", name.display()))).collect();
+        inputs.iter().map(|name| (resolved(name), format!("the command reads {}", name.display()))).collect();
     for (option, name, drawn) in outputs {
         if *name == Path::new("-") {
             let why = "it names a file; the standard output is /dev/stdout. Nothing was done";
@@ -182,7 +182,7 @@ pub fn check(inputs: &[PathBuf], outputs: &[(&str, &Path, bool)]) -> Result<(), 
             continue;
         }
         let staged = if *drawn { picture(name) } else { partial(name) };
-        let names = [name.to_path_buf(), staged, partial(name), old(name)].map(|name| place(&name));
+        let names = [name.to_path_buf(), staged, partial(name), old(name)].map(|name| resolved(&name));
         if let Some((_, what)) = taken.iter().find(|(taken, _)| names.contains(taken)) {
             return Err(Failure::Input(format!(
                 "{option} {} would overwrite a file: {what}; name another one. Nothing was run or written",

@@ -62,7 +62,7 @@ pub struct Parts<'s, R> {
     text: String,
     from: usize,
     first: u32,
-    run: Run,
+    run: CallRow,
     /// Every line so far is a whole: what follows stands in no block and in no comment.
     apart: bool,
     due: VecDeque<Part>,
@@ -71,7 +71,7 @@ pub struct Parts<'s, R> {
 
 /// Calls in a row.
 #[derive(Default)]
-struct Run {
+struct CallRow {
     count: usize,
     lasers: u8,
     steps: Vec<Step>,
@@ -94,7 +94,7 @@ impl<'s, R: BufRead> Parts<'s, R> {
             text: String::new(),
             from: 0,
             first: 0,
-            run: Run::default(),
+            run: CallRow::default(),
             apart: true,
             due: VecDeque::new(),
             ended: false,
@@ -156,7 +156,7 @@ impl<'s, R: BufRead> Parts<'s, R> {
     }
 
     fn hand_over(&mut self) {
-        let Run { count, lasers, steps, .. } = std::mem::take(&mut self.run);
+        let CallRow { count, lasers, steps, .. } = std::mem::take(&mut self.run);
         self.run.long = true;
         if count > 0 {
             self.due.push_back(Part::Calls { count, lasers, steps });
@@ -169,7 +169,7 @@ impl<'s, R: BufRead> Parts<'s, R> {
             self.hand_over();
             (self.from, self.first) = (self.at, self.line);
         }
-        self.run = Run::default();
+        self.run = CallRow::default();
     }
 
     /// Compiles so much of the text, which ends at this byte and before this line of the script.

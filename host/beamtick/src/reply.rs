@@ -98,8 +98,8 @@ pub fn stop(opcode: u16, mut body: &[u8]) -> Option<String> {
     Some(format!("{number} ({})", stop_reason(number.parse().ok()?)))
 }
 
-/// What a laser command did not take as it was given: a text for each bit of its reply's `held`.
-pub fn held(opcode: u16, mut body: &[u8]) -> Vec<String> {
+/// What a laser command did not take as it was given: a text for each bit of its reply's `limited`.
+pub fn limited(opcode: u16, mut body: &[u8]) -> Vec<String> {
     let Some(info) = info(opcode) else { return Vec::new() };
     // LaserStatus uses the word for a state.
     if info.reply.last().is_none_or(|(name, _)| *name != "held") {
@@ -185,14 +185,14 @@ mod tests {
     #[test]
     fn what_was_held_is_named() {
         let bounds = |held| LaserBounds { max: 24.0.into(), min: 0.5.into(), held }.as_bytes().to_vec();
-        assert!(held(LaserPowerMode::OPCODE, &bounds(0)).is_empty());
-        assert_eq!(held(LaserPowerMode::OPCODE, &bounds(1)), ["max is out of range; 24 is taken"]);
-        assert_eq!(held(LaserPowerMode::OPCODE, &bounds(3)).len(), 2);
+        assert!(limited(LaserPowerMode::OPCODE, &bounds(0)).is_empty());
+        assert_eq!(limited(LaserPowerMode::OPCODE, &bounds(1)), ["max is out of range; 24 is taken"]);
+        assert_eq!(limited(LaserPowerMode::OPCODE, &bounds(3)).len(), 2);
         let value = LaserValue { value: 4000.0.into(), held: 0x81 };
-        let texts = held(SetPulseWidth::OPCODE, value.as_bytes());
+        let texts = limited(SetPulseWidth::OPCODE, value.as_bytes());
         assert_eq!(texts[0], "the value is out of range; 4000 is taken");
         assert!(texts[1].contains("limited"), "{texts:?}");
-        assert!(held(LaserStatus::OPCODE, LaserState { held: 1, ..LaserState::default() }.as_bytes()).is_empty());
-        assert!(held(PtSpace::OPCODE, Short { value: 32.into() }.as_bytes()).is_empty());
+        assert!(limited(LaserStatus::OPCODE, LaserState { held: 1, ..LaserState::default() }.as_bytes()).is_empty());
+        assert!(limited(PtSpace::OPCODE, Short { value: 32.into() }.as_bytes()).is_empty());
     }
 }

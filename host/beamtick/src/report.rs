@@ -67,7 +67,7 @@ impl<'a, 's> Report<'a, 's> {
     }
 
     /// Whether the bar is seen.
-    pub fn is_seen(&self) -> bool {
+    pub fn is_visible(&self) -> bool {
         !self.bar.is_hidden()
     }
 
@@ -93,7 +93,7 @@ impl<'a, 's> Report<'a, 's> {
         // The text begins with the protocol's name of the command, which for merged data is not the
         // script's.
         let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
-        let step = self.ledger.look(answer.index, item, Step::clone);
+        let step = self.ledger.with_step(answer.index, item, Step::clone);
         let Some(step) = step else {
             return format!("{}: at the end of the script: returned {}: {reason}\n", self.source.name, answer.code);
         };
@@ -126,22 +126,22 @@ impl<'a, 's> Report<'a, 's> {
 
     /// Whether an entry is of the script, and not of its end.
     pub fn is_scripted(&self, entry: u32) -> bool {
-        self.ledger.look(entry, u16::MAX, |_| ()).is_some()
+        self.ledger.with_step(entry, u16::MAX, |_| ()).is_some()
     }
 
     /// The call of an entry and its line, as a sentence has them.
-    pub fn place(&self, entry: u32) -> String {
-        let place = self.ledger.look(entry, u16::MAX, |step| format!("{} (line {})", name(step), step.line));
+    pub fn location(&self, entry: u32) -> String {
+        let place = self.ledger.with_step(entry, u16::MAX, |step| format!("{} (line {})", name(step), step.line));
         place.unwrap_or_else(|| "the end of the script".to_owned())
     }
 
     /// What a laser call did not take as it was given is shown at its line.
-    fn held(&self, answer: &Answer) {
-        let texts = reply::held(answer.opcode, &answer.reply);
+    fn report_limited(&self, answer: &Answer) {
+        let texts = reply::limited(answer.opcode, &answer.reply);
         if texts.is_empty() {
             return;
         }
-        let Some(step) = self.ledger.look(answer.index, u16::MAX, Step::clone) else { return };
+        let Some(step) = self.ledger.with_step(answer.index, u16::MAX, Step::clone) else { return };
         let name = if let Action::Call(call) = &step.action { &*call.function } else { "" };
         let text = self.source.show(&step, Severity::Warning, format!("{name}: {}", texts.join(", ")), "");
         self.bar.suspend(|| complain!("{}", text.trim_end()));
@@ -149,11 +149,11 @@ impl<'a, 's> Report<'a, 's> {
 
     fn read(&self, answer: &Answer) {
         let reads = |step: &Step| matches!(&step.action, Action::Call(call) if !call.outs.is_empty());
-        let step = self.ledger.look(answer.index, u16::MAX, |step| reads(step).then(|| step.clone())).flatten();
+        let step = self.ledger.with_step(answer.index, u16::MAX, |step| reads(step).then(|| step.clone())).flatten();
         let Some(step) = step.filter(|_| !self.quiet) else { return };
         let Action::Call(call) = &step.action else { return };
-        let tells_stop = api::function(bare(&call.function)).is_some_and(Function::tells_stop);
-        let stop = reply::stop(answer.opcode, &answer.reply).filter(|_| tells_stop);
+        let reports_stop = api::function(bare(&call.function)).is_some_and(Function::reports_stop);
+        let stop = reply::stop(answer.opcode, &answer.reply).filter(|_| reports_stop);
         let names: Vec<String> = call.outs.iter().map(|out| job::tidy(&format!("`{}`", out.variable))).collect();
         let names: Vec<&str> = names.iter().map(|name| name.trim_matches('`')).collect();
         let values = stop.unwrap_or_else(|| reply::reply(answer.opcode, &call.body, &answer.reply));
@@ -223,14 +223,14 @@ impl Observer for Report<'_, '_> {
             }
             Some(From::Step(_)) => {
                 self.read(&answer);
-                self.held(&answer);
+                self.report_limited(&answer);
             }
             _ => {}
         }
         Ok(())
     }
 
-    fn goes_on(&mut self) -> client::Result<()> {
+    fn polled(&mut self) -> client::Result<()> {
         attentive()
     }
 

@@ -42,9 +42,9 @@ const TRACE_CUT_OFF: Duration = Duration::from_millis(400);
 /// client for lost.
 const HELD_UP: Duration = Duration::from_millis(250);
 /// The end of an aborted motion is awaited no longer than this, on the link's clock.
-const REST: Duration = Duration::from_secs(60);
+const STANDSTILL_WAIT: Duration = Duration::from_secs(60);
 /// The same after a signal, on this machine's clock.
-const REST_AFTER_SIGNAL: Duration = Duration::from_millis(300);
+const STANDSTILL_WAIT_AFTER_SIGNAL: Duration = Duration::from_millis(300);
 
 /// A recording that the link's reader writes and the runner closes.
 type Tape = Arc<Mutex<Option<Recording>>>;
@@ -234,7 +234,7 @@ fn drive(
                 let worst = summary.progress.queue.worst_late_us;
                 text.push_str(&format!(
                     "The first late entry is {}; the worst came {worst} us late.\n",
-                    report.place(first)
+                    report.location(first)
                 ));
             }
             let lost = answer.refusal().and_then(Refusal::reason) == Some(Reason::LinkLost);
@@ -260,7 +260,7 @@ fn record(source: &Source, client: &Client, outputs: &Outputs) -> Result<Tape, F
         .job
         .crds
         .iter()
-        .filter_map(|crd| place(crd.core, crd.crd, version.cores, version.crds_per_core))
+        .filter_map(|crd| index_over_cores(crd.core, crd.crd, version.cores, version.crds_per_core))
         .fold(0u8, |mask, place| mask | 1u8.checked_shl(place).unwrap_or(0));
     if axes == 0 && lasers == 0 {
         return Err(Failure::Input(format!(
@@ -381,11 +381,11 @@ fn take(recording: &Tape) -> Option<Recording> {
 
 /// The bit of an axis in masks over all cores.
 fn bit(axis: &Axis, cores: u8, per_core: u8) -> Option<u64> {
-    1u64.checked_shl(place(axis.core, axis.axis, cores, per_core)?)
+    1u64.checked_shl(index_over_cores(axis.core, axis.axis, cores, per_core)?)
 }
 
 /// Where an axis or a coordinate system is, counted over all cores, if the controller has it.
-pub fn place(core: i16, number: i16, cores: u8, per_core: u8) -> Option<u32> {
+pub fn index_over_cores(core: i16, number: i16, cores: u8, per_core: u8) -> Option<u32> {
     let (core, number) = (u8::try_from(core).ok()?, u8::try_from(number).ok()?);
     let known = (1..=cores).contains(&core) && (1..=per_core).contains(&number);
     known.then(|| u32::from(core - 1) * u32::from(per_core) + u32::from(number - 1))
@@ -463,8 +463,8 @@ fn stop_all(client: &Client, job: &Job) -> client::Result<Stopped> {
     let braking = loop {
         let braking: Vec<Axis> =
             states(client, job)?.into_iter().filter(|(_, item)| runs(item)).map(|(axis, _)| axis).collect();
-        let over = interrupt::came().is_some() && began.elapsed() > REST_AFTER_SIGNAL;
-        if braking.is_empty() || over || client.now().saturating_sub(start) > REST {
+        let over = interrupt::came().is_some() && began.elapsed() > STANDSTILL_WAIT_AFTER_SIGNAL;
+        if braking.is_empty() || over || client.now().saturating_sub(start) > STANDSTILL_WAIT {
             break braking;
         }
         client.sleep(Duration::from_millis(5))?;

@@ -32,14 +32,14 @@ pub enum Script {
         /// Where its bytes are.
         store: Mutex<Box<dyn Store>>,
         /// A file that others may write to, and how it was.
-        others: Option<(File, Look)>,
+        others: Option<(File, Stamp)>,
     },
 }
 
 /// When a file was written last, and its bytes.
-type Look = (Option<SystemTime>, u64);
+type Stamp = (Option<SystemTime>, u64);
 
-fn look(file: &File) -> io::Result<Look> {
+fn stamp(file: &File) -> io::Result<Stamp> {
     let found = file.metadata()?;
     Ok((found.modified().ok(), found.len()))
 }
@@ -53,7 +53,7 @@ impl Script {
     /// A text in somebody's file. Once that is written to, it is not read any more: what runs is
     /// what was checked.
     pub fn file(file: File) -> io::Result<Script> {
-        let others = Some((file.try_clone()?, look(&file)?));
+        let others = Some((file.try_clone()?, stamp(&file)?));
         Ok(Script::Kept { store: Mutex::new(Box::new(file)), others })
     }
 
@@ -81,7 +81,7 @@ impl Script {
             }
             Script::Kept { store, others } => {
                 if let Some((file, before)) = others
-                    && look(file)? != *before
+                    && stamp(file)? != *before
                 {
                     return Err(io::Error::other("it has changed since it was checked"));
                 }

@@ -70,7 +70,7 @@ impl Share {
     }
 
     /// What viewers are told from now on.
-    pub fn tell(&self, known: Known) {
+    pub fn publish(&self, known: Known) {
         *locked(&self.known) = known;
     }
 }

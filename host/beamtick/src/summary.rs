@@ -10,7 +10,7 @@ use crate::entries::lasers;
 use crate::profile;
 use crate::record::Recorded;
 use crate::report::Report;
-use crate::runner::{place, states};
+use crate::runner::{index_over_cores, states};
 use crate::source::Source;
 use client::{Client, Error, LinkCounters, Progress, laser_cause};
 use job::{Axis, Crd};
@@ -193,12 +193,12 @@ pub struct Run<'a, 's> {
 pub fn facts(run: &Run<'_, '_>) -> Result<(Summary, Option<String>), Failure> {
     let (client, progress) = (run.client, run.progress);
     let version = client.version();
-    let at = |entry: Option<u32>| entry.map(|entry| run.report.place(entry));
+    let at = |entry: Option<u32>| entry.map(|entry| run.report.location(entry));
     let axes = states(client, &run.source.job)?.into_iter().map(|(axis, item)| axis_facts(run, axis, &item));
     let axes = axes.collect::<Result<Vec<_>, Failure>>()?;
     let mut coordinate_systems = Vec::new();
     for crd in &run.source.job.crds {
-        if place(crd.core, crd.crd, version.cores, version.crds_per_core).is_none() {
+        if index_over_cores(crd.core, crd.crd, version.cores, version.crds_per_core).is_none() {
             continue;
         }
         let (core, number, peak_speed) = (crd.core, crd.crd, speed(run.recorded, crd));
@@ -317,7 +317,7 @@ fn taken(run: &Run<'_, '_>, faults: &[(u8, i16)]) -> Option<String> {
         ));
     }
     let dark: Vec<String> = overran.iter().map(|(channel, _)| channel.to_string()).collect();
-    let place = |entry: Option<u32>| entry.map_or(String::new(), |entry| format!(" after {}", report.place(entry)));
+    let place = |entry: Option<u32>| entry.map_or(String::new(), |entry| format!(" after {}", report.location(entry)));
     // One at the end, which is dark anyway, takes nothing.
     let during = progress.overran.is_some_and(|entry| report.is_scripted(entry));
     if !dark.is_empty() && during {
@@ -332,7 +332,7 @@ fn taken(run: &Run<'_, '_>, faults: &[(u8, i16)]) -> Option<String> {
     (progress.is_light_late() && run.source.job.lasers != 0).then(|| {
         let first = progress
             .first_late
-            .map_or(String::new(), |entry| format!(", the first late entry is {}", report.place(entry)));
+            .map_or(String::new(), |entry| format!(", the first late entry is {}", report.location(entry)));
         format!("{}: a laser command came late{first}: light was not where it was asked for", run.source.name)
     })
 }
@@ -439,21 +439,12 @@ fn reason(number: u16) -> &'static str {
         17 => "stopped: another axis could not go along",
         18 => "stopped smoothly by an abort",
         19 => "stopped by the interlock or emergency-stop input",
-        20 => "stopped: a new session began",
         _ => "stopped for a reason that this client does not know",
     }
 }
 
 /// How an axis came to standstill, by the script's end or by its reason; its latched status bits.
 fn ended(report: &Report<'_, '_>, axis: &Axis, item: &AxisItem) -> (&'static str, Vec<&'static str>) {
-    const BITS: [(u32, &str); 6] = [
-        (status::ALARM, "drive alarm"),
-        (status::FOLLOWING_ERROR, "following error"),
-        (status::LIMIT_POSITIVE, "positive limit"),
-        (status::LIMIT_NEGATIVE, "negative limit"),
-        (status::STOP_SMOOTH, "smooth stop by input"),
-        (status::STOP_ABRUPT, "abrupt stop by input"),
-    ];
     let word = item.status.get();
     let how = if report.left.contains(&(axis.core, axis.axis)) {
         "still moved when the script ended: stopped smoothly"
@@ -462,7 +453,7 @@ fn ended(report: &Report<'_, '_>, axis: &Axis, item: &AxisItem) -> (&'static str
     } else {
         reason(item.reason.get())
     };
-    (how, BITS.iter().filter(|(bit, _)| word & bit != 0).map(|(_, text)| *text).collect())
+    (how, status::faults(word).collect())
 }
 
 impl LinkFacts {

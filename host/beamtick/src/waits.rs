@@ -41,7 +41,7 @@ pub struct Knowledge<'a> {
 }
 
 /// A wait that has been looked at.
-struct Looked {
+struct PolledWait {
     /// Entries that were answered then.
     answered: u32,
     /// The script clock then.
@@ -54,7 +54,7 @@ struct Looked {
 }
 
 /// The little-endian `i16` at `at`.
-fn short(bytes: &[u8], at: usize) -> Option<i16> {
+fn i16_at(bytes: &[u8], at: usize) -> Option<i16> {
     bytes.get(at..at + 2)?.try_into().ok().map(i16::from_le_bytes)
 }
 
@@ -65,7 +65,7 @@ pub struct Watch<'r, 'a, 's> {
     ledger: &'a Ledger<'s>,
     client: &'a Client,
     knowledge: Knowledge<'a>,
-    looked: Option<Looked>,
+    polled: Option<PolledWait>,
     /// What is shown of the machine meanwhile.
     live: Option<Live<'a>>,
     /// Answered entries at the progress before.
@@ -130,7 +130,7 @@ impl<'r, 'a, 's> Watch<'r, 'a, 's> {
         client: &'a Client,
         knowledge: Knowledge<'a>,
     ) -> Self {
-        Watch { report, source, ledger, client, knowledge, looked: None, live: None, before: u32::MAX }
+        Watch { report, source, ledger, client, knowledge, polled: None, live: None, before: u32::MAX }
     }
 
     /// Shows the machine as well.
@@ -146,7 +146,7 @@ impl<'r, 'a, 's> Watch<'r, 'a, 's> {
     /// The wait that the program may be in: its step, and core, axes and coordinate systems.
     fn waits(&self, answered: u32) -> Option<(Step, Vec<(i16, u32)>)> {
         let From::Step(_) = self.ledger.from(answered)? else { return None };
-        let step = self.ledger.look(answered, u16::MAX, Step::clone)?;
+        let step = self.ledger.with_step(answered, u16::MAX, Step::clone)?;
         let version = self.client.version();
         let cores = 1..=i16::from(version.cores);
         let masks = match &step.action {
@@ -156,7 +156,7 @@ impl<'r, 'a, 's> Watch<'r, 'a, 's> {
             Action::Call(call)
                 if class(call.opcode).is_some_and(|of| of.kind == CommandKind::Data(DataStore::Follow)) =>
             {
-                let (core, axis) = (short(&call.body, 0)?, short(&call.body, 2)?);
+                let (core, axis) = (i16_at(&call.body, 0)?, i16_at(&call.body, 2)?);
                 vec![(core, 1u32.checked_shl(u32::try_from(axis - 1).ok()?)?)]
             }
             Action::Call(_) => return None,
@@ -204,10 +204,10 @@ impl<'r, 'a, 's> Watch<'r, 'a, 's> {
         Ok(false)
     }
 
-    fn look(&mut self, progress: &Progress) -> client::Result<()> {
+    fn poll(&mut self, progress: &Progress) -> client::Result<()> {
         let answered = progress.answered;
         if self.before != answered {
-            (self.before, self.looked) = (answered, None);
+            (self.before, self.polled) = (answered, None);
             return Ok(());
         }
         let Some((step, masks)) = self.waits(answered) else { return Ok(()) };
@@ -215,8 +215,9 @@ impl<'r, 'a, 's> Watch<'r, 'a, 's> {
         // Sleeps are answered when they begin.
         let Some(before) = self.ledger.before(answered) else { return Ok(()) };
         let slept = before.slept_ns;
-        let Some(looked) = self.looked.as_mut().filter(|looked| looked.answered == answered) else {
-            self.looked = Some(Looked { answered, clock_ns, wall: Instant::now(), due: NAMED_AFTER, said: Vec::new() });
+        let Some(looked) = self.polled.as_mut().filter(|looked| looked.answered == answered) else {
+            self.polled =
+                Some(PolledWait { answered, clock_ns, wall: Instant::now(), due: NAMED_AFTER, said: Vec::new() });
             return Ok(());
         };
         let (begun_ns, wall) = (looked.clock_ns, looked.wall.elapsed());
@@ -260,7 +261,7 @@ impl<'r, 'a, 's> Watch<'r, 'a, 's> {
             return Err(Error::new(ENDLESS, self.source.show(&step, Severity::Error, text, help)));
         }
         let due = if self.knowledge.virtual_time { wall >= NAMED_AFTER } else { true };
-        if let Some(looked) = self.looked.as_mut().filter(|looked| due && looked.said != says) {
+        if let Some(looked) = self.polled.as_mut().filter(|looked| due && looked.said != says) {
             looked.said = says;
             let text = self.source.show(&step, Severity::Warning, format!("this {what}"), "");
             self.report.aside(|| complain!("{}", text.trim_end()));
@@ -277,8 +278,8 @@ impl Observer for Watch<'_, '_, '_> {
         Ok(())
     }
 
-    fn goes_on(&mut self) -> client::Result<()> {
-        self.report.goes_on()
+    fn polled(&mut self) -> client::Result<()> {
+        self.report.polled()
     }
 
     fn progress(&mut self, progress: &Progress) -> client::Result<()> {
@@ -286,6 +287,6 @@ impl Observer for Watch<'_, '_, '_> {
             live.follow(self.client, self.report, progress)?;
         }
         self.report.progress(progress)?;
-        self.look(progress)
+        self.poll(progress)
     }
 }

@@ -52,7 +52,7 @@ pub(crate) struct Inner {
     listened: Duration,
     heard: Duration,
     /// When the link was last looked at, and the longest time from look to look.
-    looked_at: u64,
+    polled_at: u64,
     held_up: Duration,
 }
 
@@ -76,7 +76,7 @@ impl Inner {
             failed: None,
             listened: Duration::ZERO,
             heard: Duration::ZERO,
-            looked_at: now,
+            polled_at: now,
             held_up: Duration::ZERO,
         }
     }
@@ -108,8 +108,8 @@ impl Inner {
         let n = self.link.receive(&mut self.received, wait)?;
         let (began, now) = (now, self.link.now());
         self.listened += Duration::from_nanos(now.saturating_sub(began)).min(SILENCE_MAX);
-        self.held_up = self.held_up.max(Duration::from_nanos(now.saturating_sub(self.looked_at)));
-        self.looked_at = now;
+        self.held_up = self.held_up.max(Duration::from_nanos(now.saturating_sub(self.polled_at)));
+        self.polled_at = now;
         if let Some(bytes) = self.received.get(..n)
             && self.session.feed(now, bytes)?
         {

@@ -86,7 +86,7 @@ impl Group {
 
 /// What became of each of the joined calls.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Apart {
+pub struct SplitReplies {
     /// Code and payload of each that the controller has dealt with, in order.
     pub replies: Vec<(i16, Vec<u8>)>,
     /// The controller asks for the rest again: it had no room for what they report.
@@ -98,7 +98,7 @@ pub struct Apart {
 ///
 /// # Errors
 /// A reply that is none.
-pub fn apart(calls: &[Call], code: i16, payload: &[u8]) -> Result<Apart> {
+pub fn split_replies(calls: &[Call], code: i16, payload: &[u8]) -> Result<SplitReplies> {
     let wrong = || {
         let text = format!("the reply to PathMany of {} calls has {} bytes, which is none", calls.len(), payload.len());
         Error::new(error::LINK_PROTOCOL, text)
@@ -142,15 +142,15 @@ pub fn apart(calls: &[Call], code: i16, payload: &[u8]) -> Result<Apart> {
         let count = if ends { calls.len() - done } else { usize::from(!again) };
         replies.extend(std::iter::repeat_n((code, single.as_bytes().to_vec()), count));
     }
-    Ok(Apart { replies, again })
+    Ok(SplitReplies { replies, again })
 }
 
 /// The replies of all calls in a program, in which nothing follows one that is refused.
 ///
 /// # Errors
-/// As [`apart`].
-pub fn apart_in_program(calls: &[Call], code: i16, payload: &[u8]) -> Result<Vec<(i16, Vec<u8>)>> {
-    let mut replies = apart(calls, code, payload)?.replies;
+/// As [`split_replies`].
+pub fn split_program_replies(calls: &[Call], code: i16, payload: &[u8]) -> Result<Vec<(i16, Vec<u8>)>> {
+    let mut replies = split_replies(calls, code, payload)?.replies;
     let discarded = Refusal::new(Reason::Discarded);
     replies.resize_with(calls.len(), || (Code::State as i16, discarded.as_bytes().to_vec()));
     Ok(replies)
@@ -269,25 +269,25 @@ mod tests {
             (0, taken(1)),
             (0, LaserValue { value: 100.0.into(), held: 1 }.as_bytes().to_vec()),
         ];
-        assert_eq!(apart(&calls, 0, &payload), Ok(Apart { replies: expected.clone(), again: false }));
+        assert_eq!(split_replies(&calls, 0, &payload), Ok(SplitReplies { replies: expected.clone(), again: false }));
         // The second is refused.
         let payload = [refusal(Reason::NoLength, 1), taken(1)].concat();
         let alone = (7, refusal(Reason::NoLength, Refusal::NO_ITEM));
         let two = vec![expected[0].clone(), alone.clone()];
-        assert_eq!(apart(&calls, 7, &payload), Ok(Apart { replies: two.clone(), again: false }));
+        assert_eq!(split_replies(&calls, 7, &payload), Ok(SplitReplies { replies: two.clone(), again: false }));
         let discarded = (1, refusal(Reason::Discarded, Refusal::NO_ITEM));
-        assert_eq!(apart_in_program(&calls, 7, &payload), Ok([two, vec![discarded.clone()]].concat()));
+        assert_eq!(split_program_replies(&calls, 7, &payload), Ok([two, vec![discarded.clone()]].concat()));
         // The first.
-        let none = apart(&calls, 7, &refusal(Reason::NoLength, 0)).unwrap();
+        let none = split_replies(&calls, 7, &refusal(Reason::NoLength, 0)).unwrap();
         assert_eq!(none.replies, vec![alone]);
         // The whole, and after one call.
-        let whole = apart(&calls, 1, &refusal(Reason::Discarded, Refusal::NO_ITEM)).unwrap();
+        let whole = split_replies(&calls, 1, &refusal(Reason::Discarded, Refusal::NO_ITEM)).unwrap();
         assert_eq!(whole.replies, vec![discarded.clone(); 3]);
-        let late = apart(&calls, 1, &[refusal(Reason::Discarded, 1), taken(1)].concat()).unwrap();
+        let late = split_replies(&calls, 1, &[refusal(Reason::Discarded, 1), taken(1)].concat()).unwrap();
         assert_eq!(late.replies, vec![expected[0].clone(), discarded.clone(), discarded]);
         // The rest is to be sent again.
-        let busy = apart(&calls, 1, &[refusal(Reason::RingFull, 2), taken(2)].concat()).unwrap();
-        assert_eq!(busy, Apart { replies: expected[..2].to_vec(), again: true });
+        let busy = split_replies(&calls, 1, &[refusal(Reason::RingFull, 2), taken(2)].concat()).unwrap();
+        assert_eq!(busy, SplitReplies { replies: expected[..2].to_vec(), again: true });
     }
 
     #[test]
@@ -303,7 +303,11 @@ mod tests {
             (7, [refusal(Reason::NoLength, 2), taken(2)].concat()),
             (7, [refusal(Reason::NoLength, 1), taken(2)].concat()),
         ] {
-            assert_eq!(apart(&calls, code, &payload).unwrap_err().code, error::LINK_PROTOCOL, "{code} {payload:?}");
+            assert_eq!(
+                split_replies(&calls, code, &payload).unwrap_err().code,
+                error::LINK_PROTOCOL,
+                "{code} {payload:?}"
+            );
         }
     }
 

@@ -9,7 +9,7 @@ use crate::client::Client;
 use crate::client::Inner;
 use crate::error;
 use crate::error::{Error, Result};
-use crate::joined::{Group, Offer, apart_in_program};
+use crate::joined::{Group, Offer, split_program_replies};
 use protocol::command::{
     CommandKind, DataStore, ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtTaken, Request,
     class, opcode,
@@ -114,7 +114,7 @@ pub trait Observer {
         Ok(())
     }
     /// At each turn of the link, some ms apart. An error ends the waiting (not the program).
-    fn goes_on(&mut self) -> Result<()> {
+    fn polled(&mut self) -> Result<()> {
         Ok(())
     }
     /// About every 100 ms of the link's time. An error ends the waiting (not the program).
@@ -176,7 +176,7 @@ impl<'c> Program<'c> {
 }
 
 /// Time between two looks at the controller's queue, on the link's clock.
-const LOOK_NS: u64 = 100_000_000;
+const POLL_NS: u64 = 100_000_000;
 /// The same while entries wait for room, or for the program to be over.
 const EAGER_NS: u64 = 2_000_000;
 /// Looks without a change after which a held queue is taken to be full.
@@ -213,8 +213,8 @@ struct Run<'a> {
     /// Calls for one FIFO of a path travel together.
     joins: bool,
     /// The pending query of the queue: its tag, and the bytes sent after it.
-    look: Option<(u16, u32)>,
-    looked_at: u64,
+    query: Option<(u16, u32)>,
+    polled_at: u64,
     reported_at: u64,
     started: bool,
     /// Looks in a row at which the held queue had not moved on.
@@ -243,8 +243,8 @@ pub(crate) fn run(
         room: 0,
         blocked: false,
         joins: client.joins(),
-        look: None,
-        looked_at: 0,
+        query: None,
+        polled_at: 0,
         reported_at: client.lock().now(),
         started: false,
         stuck: 0,
@@ -265,7 +265,7 @@ pub(crate) fn run(
             // What a look brings is used before the next wait: that may be a long one.
             run.ask(&mut inner)?;
             run.fill(&mut inner)?;
-            let wait = inner.turn.min(run.until_look(inner.now()));
+            let wait = inner.turn.min(run.until_poll(inner.now()));
             inner.pump(wait)?;
             client.check_heard(&mut inner, || "while a program runs".to_owned())?;
             run.collect(&mut inner)?
@@ -273,7 +273,7 @@ pub(crate) fn run(
         for answer in answers {
             observer.answered(answer)?;
         }
-        observer.goes_on()?;
+        observer.polled()?;
         if run.ready_to_start() {
             run.progress.queue = client.call(ProgramStart { strict: strict.into() })?;
             run.started = true;
@@ -363,7 +363,7 @@ impl Run<'_> {
             let Some(index) = self.ahead.front().map(|(index, _)| *index) else { break };
             let cost = cost(&call);
             self.room = self.room.saturating_sub(cost);
-            if let Some((_, behind)) = &mut self.look {
+            if let Some((_, behind)) = &mut self.query {
                 *behind += cost;
             }
             let tag = inner.session.post(if call.may_fail { Lane::ProgramMayFail } else { Lane::Program }, &call)?;
@@ -380,10 +380,10 @@ impl Run<'_> {
     /// Looks at the controller's queue when entries wait for room, and now and then anyway.
     fn ask(&mut self, inner: &mut Inner) -> Result<()> {
         let now = inner.now();
-        if let Some((tag, behind)) = self.look
+        if let Some((tag, behind)) = self.query
             && let Some(reply) = inner.session.take(tag)
         {
-            self.look = None;
+            self.query = None;
             if let Ok(queue) = ProgramReply::read_from_bytes(&reply.payload) {
                 let before = self.progress.queue;
                 let moved = { before.space_bytes } != queue.space_bytes || { before.accepted } != queue.accepted;
@@ -393,9 +393,9 @@ impl Run<'_> {
                 self.note();
             }
         }
-        if self.look.is_none() && now >= self.look_at() {
-            self.looked_at = now;
-            self.look = Some((inner.session.post(Lane::Immediate, &Call::of(ProgramStatus {}))?, 0));
+        if self.query.is_none() && now >= self.next_poll() {
+            self.polled_at = now;
+            self.query = Some((inner.session.post(Lane::Immediate, &Call::of(ProgramStatus {}))?, 0));
         }
         Ok(())
     }
@@ -413,18 +413,18 @@ impl Run<'_> {
     }
 
     /// When the next look is due.
-    fn look_at(&self) -> u64 {
+    fn next_poll(&self) -> u64 {
         let blocked = self.blocked;
         let at_the_end = self.exhausted && self.ahead.is_empty() && self.flight.is_empty();
-        self.looked_at + if blocked || at_the_end || !self.started { EAGER_NS } else { LOOK_NS }
+        self.polled_at + if blocked || at_the_end || !self.started { EAGER_NS } else { POLL_NS }
     }
 
     /// Time from `now` to the next look, or to an answer that a look brings.
-    fn until_look(&self, now: u64) -> Duration {
-        if self.look.is_some() {
+    fn until_poll(&self, now: u64) -> Duration {
+        if self.query.is_some() {
             return Duration::MAX;
         }
-        Duration::from_nanos(self.look_at().saturating_sub(now))
+        Duration::from_nanos(self.next_poll().saturating_sub(now))
     }
 
     /// Takes the answers that have come, in the order of the entries.
@@ -435,7 +435,7 @@ impl Run<'_> {
             let Some(sent) = self.flight.pop_front() else { break };
             let Sent { index, calls, joined, .. } = sent;
             let replies = match joined {
-                true => apart_in_program(&calls, reply.code, &reply.payload)?,
+                true => split_program_replies(&calls, reply.code, &reply.payload)?,
                 false => vec![(reply.code, reply.payload)],
             };
             for ((index, call), (code, payload)) in (index..).zip(calls).zip(replies) {
@@ -488,7 +488,7 @@ impl Run<'_> {
         if answer.code != 0 || class(answer.opcode).is_none_or(|class| class.kind != CommandKind::Data(DataStore::Pt)) {
             return;
         }
-        let (Some(core), Some(axis)) = (short(&call.payload, 0), short(&call.payload, 2)) else { return };
+        let (Some(core), Some(axis)) = (i16_at(&call.payload, 0), i16_at(&call.payload, 2)) else { return };
         let Ok(taken) = PtTaken::read_from_bytes(&answer.reply) else { return };
         let dry = Dry { core, axis, space: taken.space.get(), dry_ms: taken.dry_ms.get() };
         match self.progress.streams.iter_mut().find(|d| d.core == core && d.axis == axis) {
@@ -505,7 +505,7 @@ impl Run<'_> {
         !self.started
             && self.failed.is_none()
             && self.progress.queue.state == state::HELD
-            && self.look.is_none()
+            && self.query.is_none()
             && (full || self.exhausted && self.ahead.is_empty())
     }
 
@@ -526,6 +526,6 @@ fn cost(call: &Call) -> u32 {
 }
 
 /// The little-endian `i16` at `at`.
-fn short(bytes: &[u8], at: usize) -> Option<i16> {
+fn i16_at(bytes: &[u8], at: usize) -> Option<i16> {
     bytes.get(at..at + 2).and_then(|b| b.try_into().ok()).map(i16::from_le_bytes)
 }

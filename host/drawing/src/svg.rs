@@ -87,7 +87,7 @@ fn parsed(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     let (width, height) = (f64::from(tree.size().width()), f64::from(tree.size().height()));
     let foreign_dashes = check::foreign_dashes(&document);
     let without_context = check::strokes_without_context(&document);
-    let mut found = Found { width, height, foreign_dashes, without_context, ..Found::default() };
+    let mut found = ShapeSearch { width, height, foreign_dashes, without_context, ..ShapeSearch::default() };
     found.group(tree.root(), Map::IDENTITY, "")?;
     let mut notes: Vec<String> = skipped.iter().map(|text| causes::readable(text)).collect();
     notes.extend(unshown);
@@ -138,7 +138,7 @@ fn bare(text: &str) -> String {
 }
 
 #[derive(Default)]
-struct Found {
+struct ShapeSearch {
     /// Of the page, px.
     width: f64,
     height: f64,
@@ -204,7 +204,7 @@ impl From<[f64; 6]> for Map {
     }
 }
 
-impl Found {
+impl ShapeSearch {
     fn beyond_note(&self) -> Option<String> {
         let (count, first) = &self.beyond;
         let more = if *count > 1 { format!(" (with it {count} shapes)") } else { String::new() };

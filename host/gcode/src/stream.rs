@@ -104,14 +104,14 @@ impl<'a> Stream<'a> {
     pub fn line(&mut self, text: &str) -> Result<Line, String> {
         let block = self.block(text)?;
         let mut state = self.state.clone();
-        let mark = self.writer.mark();
+        let checkpoint = self.writer.checkpoint();
         let stop = block.stop;
         // The sender's operator goes on after M0: nothing of a pause is in the path.
         let run = Block { stop: stop.filter(|stop| *stop == Stop::End), ..block };
         match state.line(&run, 0, Options::default(), &mut self.writer, &mut |_| ()) {
             Ok(_) => self.state = state,
             Err(why) => {
-                self.writer.back(&mark);
+                self.writer.restore(&checkpoint);
                 return Err(why);
             }
         }
@@ -157,11 +157,11 @@ impl<'a> Stream<'a> {
         let mut state = self.state.clone();
         state.motion = Motion::Line;
         (state.spindle, state.inverse) = (Spindle::Off, false);
-        let mark = self.writer.mark();
+        let checkpoint = self.writer.checkpoint();
         match state.line(&plain, 0, Options::default(), &mut self.writer, &mut |_| ()) {
             Ok(_) => self.state.at = state.at,
             Err(why) => {
-                self.writer.back(&mark);
+                self.writer.restore(&checkpoint);
                 return Err(why);
             }
         }
@@ -212,12 +212,12 @@ impl<'a> Stream<'a> {
     /// # Errors
     /// Why nothing of it would be done.
     pub fn tried(&mut self, text: &str) -> Result<bool, String> {
-        let (state, mark) = (self.state.clone(), self.writer.mark());
+        let (state, checkpoint) = (self.state.clone(), self.writer.checkpoint());
         self.reset();
         let done = self.line(text);
         let on = self.state.spindle != Spindle::Off;
         self.state = state;
-        self.writer.back(&mark);
+        self.writer.restore(&checkpoint);
         let ended = done?.ended;
         if ended == Ended::No { Ok(on) } else { Err("a start-up line has no M0, M2 and M30".to_owned()) }
     }
@@ -231,8 +231,8 @@ impl<'a> Stream<'a> {
     }
 
     /// The path was emptied, is dark, and stands at these pulses of the coordinate system.
-    pub fn stand(&mut self, pulses: [f64; 3]) {
-        let mut at = self.writer.stand(pulses);
+    pub fn restart_at(&mut self, pulses: [f64; 3]) {
+        let mut at = self.writer.restart_at(pulses);
         for (place, at) in at.iter_mut().enumerate() {
             let Some((least, most)) = self.state.travel(place) else { continue };
             // A stop ends between two pulses: that is no place outside the travel.
@@ -356,9 +356,9 @@ mod tests {
         let mut stream = Stream::new(&machine);
         stream.setup();
         stream.line("G1 F100 M3 S900 X20").unwrap();
-        stream.stand([-0.4, 1234.25, 0.0]);
+        stream.restart_at([-0.4, 1234.25, 0.0]);
         assert_eq!(calls(&mut stream, "G91 G1 Y0.01 F60 M5"), ["GT_LnXY(1, 0, 1235, 0.1, 0.05)"]);
-        stream.stand([0.0, 1235.0, 0.0]);
+        stream.restart_at([0.0, 1235.0, 0.0]);
         // The light is set anew.
         assert!(calls(&mut stream, "M3 S900 X1").contains(&"GT_BufLaserOn(1, 0, 0);".to_owned()));
     }

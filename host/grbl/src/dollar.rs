@@ -27,14 +27,14 @@ impl Session<'_> {
                 0
             }
             "$C" if self.checks => {
-                self.tell("Disabled");
+                self.message("Disabled");
                 self.answer(0);
                 return self.restart();
             }
             "$C" if alarmed || !stands => errors::NOT_IDLE,
             "$C" => {
                 self.checks = true;
-                self.tell("Enabled");
+                self.message("Enabled");
                 0
             }
             "$X" if alarmed => return self.unlock(false),
@@ -67,7 +67,7 @@ impl Session<'_> {
             }
             "$SLP" => {
                 self.sleeps = true;
-                self.tell("Sleeping");
+                self.message("Sleeping");
                 0
             }
             "$RST=$" | "$RST=*" | "$RST=#" => {
@@ -77,20 +77,20 @@ impl Session<'_> {
                 if bare != "$RST=$" {
                     self.stream.forget_offsets();
                 }
-                self.tell("Restoring defaults");
+                self.message("Restoring defaults");
                 self.answer(0);
                 return self.restart();
             }
             _ => match self.set(&bare) {
                 Ok(()) => 0,
                 Err((number, why)) => {
-                    self.tell(&why);
+                    self.message(&why);
                     number
                 }
             },
         };
         if number == errors::NOT_IDLE {
-            self.tell(self.not_now());
+            self.message(self.not_now());
         }
         self.answer(number);
         Ok(())

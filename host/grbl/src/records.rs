@@ -4,7 +4,7 @@
 //! In: entries. Out: calls, each with the entries that it carries; from the reply of one those of
 //! its entries. A controller takes one record of data in a tick.
 use crate::entry::Entry;
-use client::joined::{Group, Offer, apart};
+use client::joined::{Group, Offer, split_replies};
 use client::{Call, Error};
 use protocol::command::{LnXY, LnXYMany, LnXYZ, LnXYZMany, PathXY, PathXYZ, Request};
 use zerocopy::{FromBytes, IntoBytes};
@@ -97,7 +97,7 @@ impl Record {
             return Ok(vec![(code, payload); if code == 0 { self.entries.len() } else { 1 }]);
         }
         let calls: Vec<Call> = self.entries.iter().map(|entry| entry.call.clone()).collect();
-        apart(&calls, code, &payload).map(|apart| apart.replies)
+        split_replies(&calls, code, &payload).map(|apart| apart.replies)
     }
 }
 

@@ -163,7 +163,7 @@ impl<'a> Session<'a> {
         self.out.extend_from_slice(b"\r\n");
     }
 
-    pub(crate) fn tell(&mut self, text: &str) {
+    pub(crate) fn message(&mut self, text: &str) {
         let text: String = text.chars().filter(|letter| !letter.is_control() && !"[]".contains(*letter)).collect();
         self.say(&format!("[MSG:{text}]"));
     }
@@ -208,7 +208,7 @@ impl<'a> Session<'a> {
             match line {
                 Some(line) => self.obey(&line)?,
                 None => {
-                    self.tell(&format!("a line has at most {LINE} characters"));
+                    self.message(&format!("a line has at most {LINE} characters"));
                     self.answer(errors::OVERFLOW);
                 }
             }
@@ -251,7 +251,7 @@ impl<'a> Session<'a> {
         if let Some((before, after)) = self.settles {
             if view.emptied > before && !view.runs {
                 self.settles = None;
-                self.stream.stand(view.at);
+                self.stream.restart_at(view.at);
                 self.settled(after)?;
             }
             return Ok(());
@@ -272,7 +272,7 @@ impl<'a> Session<'a> {
                 Wait::Home => self.answer(0),
                 Wait::Program => {
                     self.set_overrides([100; 3]);
-                    self.tell("Pgm End");
+                    self.message("Pgm End");
                     self.answer(0);
                 }
                 Wait::Pause => {
@@ -318,7 +318,7 @@ impl<'a> Session<'a> {
                 if home {
                     return self.home();
                 }
-                self.tell("Caution: Unlocked");
+                self.message("Caution: Unlocked");
                 self.answer(0);
             }
             After::Reset | After::Gone => {
@@ -342,7 +342,7 @@ impl<'a> Session<'a> {
         self.say("");
         self.say("Grbl 1.1h ['$' for help]");
         if self.alarm.is_some() {
-            self.tell(UNLOCK);
+            self.message(UNLOCK);
             return Ok(());
         }
         for line in self.settings.startup.clone() {
@@ -361,7 +361,7 @@ impl<'a> Session<'a> {
     /// An alarm: nothing moves before `$X`.
     fn raise(&mut self, number: u8, reason: &str) -> Result<(), Error> {
         self.say(&format!("ALARM:{number}"));
-        self.tell(reason);
+        self.message(reason);
         self.alarm = Some(number);
         self.feed.abort()?;
         if self.waits.take().is_some() || std::mem::take(&mut self.owes) {
@@ -375,7 +375,7 @@ impl<'a> Session<'a> {
     /// `$X`, or `$H` in an alarm.
     pub(crate) fn unlock(&mut self, home: bool) -> Result<(), Error> {
         if let Some(fault) = self.feed.clear_faults()? {
-            self.tell(&fault.reason);
+            self.message(&fault.reason);
             self.answer(errors::DOOR);
             return Ok(());
         }
@@ -385,7 +385,7 @@ impl<'a> Session<'a> {
                 if error.code < 0 {
                     return Err(error);
                 }
-                self.tell(&error.reason);
+                self.message(&error.reason);
                 self.answer(errors::DOOR);
                 return Ok(());
             }
@@ -431,7 +431,7 @@ impl<'a> Session<'a> {
             return self.dollar(trimmed);
         }
         if self.alarm.is_some() || self.jogs {
-            self.tell(if self.alarm.is_some() {
+            self.message(if self.alarm.is_some() {
                 UNLOCK
             } else {
                 "a jog runs; 0x85 ends it (in the monitor the space bar)"
@@ -446,7 +446,7 @@ impl<'a> Session<'a> {
             Ok(done) => done,
             Err(why) if errors::leaves_travel(&why) => {
                 if self.checks {
-                    self.tell(&why);
+                    self.message(&why);
                     self.answer(errors::LOCKED);
                     return Ok(());
                 }
@@ -455,7 +455,7 @@ impl<'a> Session<'a> {
                 return Ok(());
             }
             Err(why) => {
-                self.tell(&why);
+                self.message(&why);
                 self.answer(errors::number(&why));
                 return Ok(());
             }
@@ -507,7 +507,7 @@ impl<'a> Session<'a> {
                 self.wait(Wait::Home);
             }
             Err(why) => {
-                self.tell(&why);
+                self.message(&why);
                 self.answer(errors::number(&why));
             }
         }

@@ -134,7 +134,7 @@ pub fn serve(
         if let Some(error) = feed.view().failed {
             return Err(error);
         }
-        feed.news(LONG_WAIT);
+        feed.wait_for_change(LONG_WAIT);
     }
     let mut session = Session::new(machine, stream, feed, pass_stops);
     let mut place = Listener::new(port)?;

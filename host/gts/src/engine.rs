@@ -76,7 +76,7 @@ impl Prepared {
     }
 
     /// Whether a core or a card comes first.
-    pub fn leads(&self) -> bool {
+    pub fn has_leading_argument(&self) -> bool {
         self.prototype.leads
     }
 
@@ -112,7 +112,7 @@ impl Prepared {
             Kind::Struct(of) | Kind::OutStruct(of) => {
                 let members = prototype::members(of).into_iter();
                 let all: Vec<String> =
-                    members.map(|(name, scalar, count)| load(self::place(of, name).1, scalar, count)).collect();
+                    members.map(|(name, scalar, count)| load(self::scalar_member(of, name).1, scalar, count)).collect();
                 Some(format!("{{{}}}", all.join(", ")))
             }
             _ => None,
@@ -264,7 +264,7 @@ impl Prepared {
                         "form",
                     )?,
                     "first" => put(&mut payload, wire, Arg::Int((part * each) as i64), self.name(), "first")?,
-                    "count" if self.prototype.function.tells_stop() => {
+                    "count" if self.prototype.function.reports_stop() => {
                         put(&mut payload, wire, Arg::Int(1), self.name(), "count")?;
                     }
                     name if name.ends_with("_given") => payload.push(is_given.into()),
@@ -377,7 +377,7 @@ fn list(values: Vec<String>) -> String {
 }
 
 /// Type and offset of a member of a struct, as this platform's C lays it out.
-fn place(of: Type, wanted: &str) -> (Scalar, usize) {
+fn scalar_member(of: Type, wanted: &str) -> (Scalar, usize) {
     let mut end = 0usize;
     for (name, scalar, count) in prototype::members(of) {
         let offset = end.next_multiple_of(size(scalar));
@@ -394,7 +394,7 @@ fn place(of: Type, wanted: &str) -> (Scalar, usize) {
 /// # Safety
 /// There is a struct of this type at `address`.
 unsafe fn member(address: *mut c_void, of: Type, name: &str) -> Vec<Arg> {
-    let (scalar, offset) = place(of, name);
+    let (scalar, offset) = scalar_member(of, name);
     let count = of.fields().iter().find(|(field, ..)| *field == name).map_or(0, |(.., count)| *count);
     // SAFETY: the struct has this member.
     (0..count).map(|n| unsafe { request::load(address.byte_add(offset + n * size(scalar)), scalar) }).collect()
@@ -454,7 +454,7 @@ pub unsafe fn call(slot: CardSlot, prepared: &Prepared, lead: c_short, args: &[A
             return card.passed(true).map(|()| None);
         }
         _ => {
-            if prepared.prototype.function.tells_stop() {
+            if prepared.prototype.function.reports_stop() {
                 prepared.check_room(args)?;
             }
             // SAFETY: as the caller says.
@@ -473,7 +473,7 @@ pub unsafe fn call(slot: CardSlot, prepared: &Prepared, lead: c_short, args: &[A
             }
             // SAFETY: as the caller says.
             unsafe { prepared.store_rest(args, before) };
-            if let Some(reply) = replies.first().filter(|_| prepared.prototype.function.tells_stop()) {
+            if let Some(reply) = replies.first().filter(|_| prepared.prototype.function.reports_stop()) {
                 // SAFETY: as the caller says.
                 unsafe { prepared.store_stop(args, reply) };
             }
@@ -484,7 +484,7 @@ pub unsafe fn call(slot: CardSlot, prepared: &Prepared, lead: c_short, args: &[A
             if is_start(prepared) {
                 card.started = true;
             }
-            replies.iter().find_map(|reply| replies::held(prepared, reply))
+            replies.iter().find_map(|reply| replies::limited(prepared, reply))
         }
     };
     card.passed(prepared.reads())?;

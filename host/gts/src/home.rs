@@ -34,7 +34,7 @@ pub enum HomeCall {
 }
 
 /// Between two looks at an axis, of the controller's time: each is some hundred bytes of a link.
-const LOOK: Duration = Duration::from_millis(2);
+const POLL: Duration = Duration::from_millis(2);
 /// A search without a limit goes so far, pulses.
 const FAR: i64 = 0x3000_0000;
 /// Away from the limit, where `escapeStep` is 0.
@@ -117,7 +117,7 @@ struct Homing {
     /// Encoder position of the origin.
     origin: i64,
     target: i64,
-    looked: Duration,
+    polled: Duration,
 }
 
 /// The homings of a card.
@@ -157,8 +157,8 @@ impl Homes {
         let now = client.now();
         let mut axes = self.lock();
         for ((core, axis), homing) in axes.iter_mut().filter(|(_, homing)| homing.run) {
-            if now.saturating_sub(homing.looked) >= LOOK {
-                homing.looked = now;
+            if now.saturating_sub(homing.polled) >= POLL {
+                homing.polled = now;
                 let mut controller = Controller { client, core: *core, axis: *axis };
                 if let Err(code) = homing.step(&mut controller) {
                     (homing.run, homing.error) = (false, code);
@@ -166,7 +166,7 @@ impl Homes {
             }
         }
         self.count(&axes);
-        Some(LOOK)
+        Some(POLL)
     }
 
     /// Does a call of the program. `given` are the values that go in.
@@ -197,7 +197,7 @@ impl Homes {
                     ));
                 }
                 let mut controller = Controller { client, core, axis };
-                let status = controller.look()?.status.get();
+                let status = controller.status()?.status.get();
                 if status & SERVO_ON == 0 {
                     return Err(Error::new(
                         1,
@@ -289,7 +289,7 @@ impl Parameters {
     }
 
     /// The way, leg by leg.
-    fn legs(&self) -> Vec<HomePhase> {
+    fn phases(&self) -> Vec<HomePhase> {
         let sign = |direction: i16| if direction < 0 { -1 } else { 1 };
         let (forth, index) = (sign(self.move_dir), sign(self.index_dir));
         let far = |distance: i64| if distance == 0 { FAR } else { distance };
@@ -323,7 +323,7 @@ const MODES: [i16; 7] = [10, 11, 12, 13, 20, 22, 30];
 impl Homing {
     fn new(parameters: Parameters, now: Duration) -> Homing {
         Homing {
-            legs: parameters.legs(),
+            legs: parameters.phases(),
             parameters,
             at: 0,
             begun: false,
@@ -333,14 +333,14 @@ impl Homing {
             error: fault::NONE,
             origin: 0,
             target: 0,
-            looked: now.saturating_sub(LOOK),
+            polled: now.saturating_sub(POLL),
         }
     }
 
     /// Takes it on; an error ends it.
     fn step(&mut self, axis: &mut Controller<'_>) -> std::result::Result<(), i16> {
         let Some(leg) = self.legs.get(self.at).copied() else { return Ok(()) };
-        let item = axis.look().map_err(|_| fault::REFUSED)?;
+        let item = axis.status().map_err(|_| fault::REFUSED)?;
         if item.status.get() & SERVO_ON == 0 {
             return Err(fault::DISABLED);
         }
@@ -452,7 +452,7 @@ struct Controller<'a> {
 }
 
 impl Controller<'_> {
-    fn look(&mut self) -> Result<AxisItem> {
+    fn status(&mut self) -> Result<AxisItem> {
         let request = AxisStatus { core: self.core.into(), axis: self.axis.into(), count: 1.into() };
         let (_, items) = self.client.call_items(request, &[])?;
         items
@@ -526,7 +526,7 @@ impl Controller<'_> {
         let short = |pulses: f64| (pulses - origin as f64).round() as i32;
         let (core, axis) = (self.core.into(), self.axis.into());
         self.client.call(SetPrfPos { core, profile: axis, pos: short(item.prf_pos.get()).into() })?;
-        let enc_pos = self.look()?.enc_pos.get();
+        let enc_pos = self.status()?.enc_pos.get();
         self.client.call(SetEncPos { core, encoder: axis, pos: short(enc_pos).into() }).map(drop)
     }
 }

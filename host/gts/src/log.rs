@@ -58,7 +58,7 @@ impl std::fmt::Display for Arg {
 ///
 /// # Safety
 /// As for `engine::call`.
-unsafe fn shown(prepared: &Prepared, args: &[Arg], done: bool) -> String {
+unsafe fn argument_list(prepared: &Prepared, args: &[Arg], done: bool) -> String {
     let one = |(n, arg): (usize, &Arg)| match arg {
         Arg::Address(address) if !address.is_null() => {
             // SAFETY: as the caller says.
@@ -87,9 +87,9 @@ pub unsafe fn write(
     let Some(Log { file, is_whole, .. }) = log.as_mut().filter(|log| log.is_whole) else { return };
     let (lead, args) = call;
     let time = now.map_or("-".to_owned(), |now| format!("{:.3}", now.as_secs_f64() * 1e3));
-    let lead = if prepared.leads() { format!("{lead}, ") } else { String::new() };
+    let lead = if prepared.has_leading_argument() { format!("{lead}, ") } else { String::new() };
     // SAFETY: as the caller says.
-    let list = format!("{lead}{}", unsafe { shown(prepared, args, code == 0) });
+    let list = format!("{lead}{}", unsafe { argument_list(prepared, args, code == 0) });
     let reason = if text.is_empty() { String::new() } else { format!("  {text}") };
     let line = format!("{time} {}({}) = {code}{reason}\n", prepared.symbol(), list.trim_end_matches(", "));
     *is_whole = file.write_all(line.as_bytes()).is_ok();

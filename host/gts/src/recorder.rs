@@ -30,8 +30,8 @@ const END: Duration = Duration::from_secs(1);
 /// See the module text.
 pub struct Recorder {
     reader: Reader,
-    csv: Option<Stream<CsvWriter<BufWriter<File>>>>,
-    vcd: Option<Stream<VcdWriter<BufWriter<File>>>>,
+    csv: Option<FileStream<CsvWriter<BufWriter<File>>>>,
+    vcd: Option<FileStream<VcdWriter<BufWriter<File>>>>,
     /// The picture, or the page of HTML; and what is drawn there.
     plot: Option<(Staged, Option<Plot>)>,
     is_page: bool,
@@ -81,7 +81,7 @@ impl Drop for Claim {
 }
 
 /// A file that is written from front to back.
-struct Stream<W> {
+struct FileStream<W> {
     staged: Staged,
     /// Until its header.
     file: Option<File>,
@@ -89,12 +89,12 @@ struct Stream<W> {
     writer: Option<W>,
 }
 
-impl<W> Stream<W> {
+impl<W> FileStream<W> {
     fn create(path: Option<&PathBuf>) -> Result<Option<Self>> {
         let Some(path) = path else { return Ok(None) };
         let (staged, file) = Staged::stream(path)
             .map_err(|error| Error::new(CANNOT_OPEN, format!("{} cannot be written: {error}", path.display())))?;
-        Ok(Some(Stream { staged, file: Some(file), writer: None }))
+        Ok(Some(FileStream { staged, file: Some(file), writer: None }))
     }
 
     fn begin(stream: &mut Option<Self>, make: impl FnOnce(BufWriter<File>) -> trace::Result<W>) -> trace::Result<()> {
@@ -141,8 +141,8 @@ impl Recorder {
     pub fn start(client: &Client, settings: &Settings) -> Result<Arc<Mutex<Recorder>>> {
         let recorder = Recorder {
             reader: Reader::new(),
-            csv: Stream::create(settings.trace.as_ref())?,
-            vcd: Stream::create(settings.vcd.as_ref())?,
+            csv: FileStream::create(settings.trace.as_ref())?,
+            vcd: FileStream::create(settings.vcd.as_ref())?,
             plot: settings.plot.as_ref().map(|path| (Staged::picture(path), None)),
             is_page: settings.draws_page(),
             outputs: client.version().general_outputs,
@@ -179,25 +179,25 @@ impl Recorder {
                     if let Some(Some(plot)) = &mut picture {
                         plot.change(laser, &change);
                     }
-                    if let Some(vcd) = Stream::writer(vcd) {
+                    if let Some(vcd) = FileStream::writer(vcd) {
                         vcd.change(laser, &change);
                     }
                     Ok(())
                 }
                 Item::Output(edge) => {
-                    if let Some(vcd) = Stream::writer(vcd) {
+                    if let Some(vcd) = FileStream::writer(vcd) {
                         vcd.edge(edge);
                     }
                     Ok(())
                 }
                 Item::Analog(edge) => {
-                    if let Some(vcd) = Stream::writer(vcd) {
+                    if let Some(vcd) = FileStream::writer(vcd) {
                         vcd.analog(edge);
                     }
                     Ok(())
                 }
                 Item::Zero { axis, by } => {
-                    if let Some(vcd) = Stream::writer(vcd) {
+                    if let Some(vcd) = FileStream::writer(vcd) {
                         vcd.zero(axis, by);
                     }
                     Ok(())
@@ -206,10 +206,10 @@ impl Recorder {
                     if let Some(Some(plot)) = &mut picture {
                         plot.row(&row);
                     }
-                    if let Some(csv) = Stream::writer(csv) {
+                    if let Some(csv) = FileStream::writer(csv) {
                         csv.row(&row)?;
                     }
-                    Stream::writer(vcd).map_or(Ok(()), |vcd| vcd.row(&row))
+                    FileStream::writer(vcd).map_or(Ok(()), |vcd| vcd.row(&row))
                 }
                 Item::Light { .. } | Item::End { .. } => Ok(()),
             }
@@ -221,15 +221,15 @@ impl Recorder {
 }
 
 fn begin(
-    csv: &mut Option<Stream<CsvWriter<BufWriter<File>>>>,
-    vcd: &mut Option<Stream<VcdWriter<BufWriter<File>>>>,
+    csv: &mut Option<FileStream<CsvWriter<BufWriter<File>>>>,
+    vcd: &mut Option<FileStream<VcdWriter<BufWriter<File>>>>,
     outputs: u8,
     header: &Header,
 ) -> trace::Result<()> {
-    Stream::begin(csv, |file| CsvWriter::new(file, header))?;
+    FileStream::begin(csv, |file| CsvWriter::new(file, header))?;
     let outputs: Vec<(u8, bool)> = (1..=outputs).map(|output| (output, false)).collect();
     let analog: Vec<u8> = (1..=ANALOG).collect();
-    Stream::begin(vcd, |file| VcdWriter::new(file, header, &outputs, &analog))
+    FileStream::begin(vcd, |file| VcdWriter::new(file, header, &outputs, &analog))
 }
 
 /// Ends the trace and closes the files; 1 if it has failed.

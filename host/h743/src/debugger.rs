@@ -9,7 +9,7 @@ impl Machine {
     /// reset ends it.
     pub fn halt(&mut self, time: Time) {
         if self.chip.bus.dbgmcu.freezes_watchdog() {
-            self.chip.bus.watchdog.stand(time);
+            self.chip.bus.watchdog.shift_by_freeze(time);
         }
         // The halt is over by then, as far as the next event goes.
         let chip = &mut self.chip;

@@ -43,7 +43,7 @@ impl Watchdog {
     }
 
     /// A debugger has frozen it for so long.
-    pub fn stand(&mut self, time: Time) {
+    pub fn shift_by_freeze(&mut self, time: Time) {
         if self.is_running() {
             self.bites += time;
         }

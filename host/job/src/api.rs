@@ -111,7 +111,7 @@ impl Function {
     }
 
     /// It reports why motion has stopped: a number, and the host's text of it.
-    pub fn tells_stop(&self) -> bool {
+    pub fn reports_stop(&self) -> bool {
         matches!(self.name, "GetStopReason" | "GetCrdStopReason")
     }
 }

@@ -283,7 +283,7 @@ impl Reader<'_> {
                     let (variable, element) = self.struct_given(param, given, of, name)?;
                     let width = Variable::width(of);
                     let cells = self.variables[&variable].cells[element * width..(element + 1) * width].to_vec();
-                    for (((field, _), place), cell) in of.cells().zip(of.places()).zip(cells) {
+                    for (((field, _), place), cell) in of.cells().zip(of.value_names()).zip(cells) {
                         let value = self.field_value(cell, &variable, &place, given)?;
                         bound.values.push((field, value));
                     }
@@ -294,7 +294,7 @@ impl Reader<'_> {
                     let width = Variable::width(of);
                     let cells = self.variables[&variable].cells[element * width..(element + 1) * width].to_vec();
                     let mut values = Vec::with_capacity(width);
-                    for (place, cell) in of.places().zip(cells) {
+                    for (place, cell) in of.value_names().zip(cells) {
                         values.push(self.field_value(cell, &variable, &place, given)?);
                     }
                     bound.lists.push(values);

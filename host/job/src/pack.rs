@@ -70,7 +70,7 @@ impl Reader<'_> {
                 "core" => i64::from(core),
                 "form" => i64::from(!several_cores),
                 "first" => 0,
-                "count" if function.tells_stop() => 1,
+                "count" if function.reports_stop() => 1,
                 name if name.ends_with("_given") => i64::from(bound.is_given),
                 _ => {
                     fill(&mut body, of, &mut values);

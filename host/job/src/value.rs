@@ -158,7 +158,7 @@ impl Type {
     }
 
     /// The script's name of each value of a struct: a field, or an element of one.
-    pub fn places(self) -> impl Iterator<Item = String> {
+    pub fn value_names(self) -> impl Iterator<Item = String> {
         self.fields().iter().flat_map(|&(name, _, count)| {
             (0..count).map(move |place| if count > 1 { format!("{name}[{place}]") } else { name.to_owned() })
         })

@@ -185,7 +185,7 @@ fn every_function_packs_as_long_as_its_request() {
         };
         assert_eq!(call.body.len(), size(info.fields) + items, "{text}");
         // The table says the manuals' name of what the protocol calls the same, but for these.
-        if !matches!(function.name, "GetVersion" | "PtStartPro") && !function.tells_stop() {
+        if !matches!(function.name, "GetVersion" | "PtStartPro") && !function.reports_stop() {
             assert_eq!(function.name, info.name);
         }
     }

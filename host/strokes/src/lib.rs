@@ -16,7 +16,7 @@ mod number;
 mod writer;
 
 use std::fmt;
-pub use writer::{Light, Mark, Shape, Stroke, Writer};
+pub use writer::{Checkpoint, Light, Shape, Stroke, Writer};
 
 /// Where the path goes, mm, and which laser of the machine may be lit on the way there: for
 /// pictures.

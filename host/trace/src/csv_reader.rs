@@ -30,7 +30,7 @@ fn wrong(line: u64, what: String) -> TraceError {
 }
 
 /// The place of `name` among `known`; new ones are added.
-fn place<T: PartialEq>(known: &mut Vec<T>, name: T) -> usize {
+fn index_of<T: PartialEq>(known: &mut Vec<T>, name: T) -> usize {
     known.iter().position(|other| *other == name).unwrap_or_else(|| {
         known.push(name);
         known.len() - 1
@@ -48,7 +48,7 @@ fn column(name: &str, header: &mut Header) -> Option<Column> {
     let (what, kind) = rest.split_once('_')?;
     let number = |prefix: &str| what.strip_prefix(prefix).and_then(|digits| digits.parse::<u8>().ok());
     if let Some(axis) = number("axis").filter(|axis| *axis > 0) {
-        let axis = place(&mut header.axes, AxisName { core, axis });
+        let axis = index_of(&mut header.axes, AxisName { core, axis });
         return match kind {
             "pos" => Some(Column::Position(axis)),
             "vel" => Some(Column::Velocity(axis)),
@@ -56,7 +56,7 @@ fn column(name: &str, header: &mut Header) -> Option<Column> {
         };
     }
     if let Some(laser) = number("laser") {
-        let laser = place(&mut header.lasers, LaserName(laser));
+        let laser = index_of(&mut header.lasers, LaserName(laser));
         return match kind {
             "gate" => Some(Column::Gate(laser)),
             "power" => Some(Column::Power(laser)),
@@ -64,7 +64,7 @@ fn column(name: &str, header: &mut Header) -> Option<Column> {
             _ => None,
         };
     }
-    let crd = place(&mut header.crds, CrdName { core, crd: number("crd").filter(|crd| *crd > 0)? });
+    let crd = index_of(&mut header.crds, CrdName { core, crd: number("crd").filter(|crd| *crd > 0)? });
     (kind == "vel").then_some(Column::Speed(crd))
 }
 

@@ -15,7 +15,7 @@ use vcd::{IdCode, TimescaleUnit, Value, VarType};
 
 /// What a signal shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Shown {
+enum LastValue {
     Level(bool),
     Number(f64),
 }
@@ -23,7 +23,7 @@ enum Shown {
 /// A signal and what it shows now.
 struct Signal {
     id: IdCode,
-    shown: Shown,
+    last_value: LastValue,
 }
 
 /// Signals of one axis, by their indices.
@@ -53,7 +53,7 @@ pub struct VcdWriter<W: Write> {
     analog: Vec<(u8, usize)>,
     lasers: Vec<LaserSignals>,
     /// Instant, signal, and what it shows from then on.
-    changes: Vec<(u64, usize, Shown)>,
+    changes: Vec<(u64, usize, LastValue)>,
     row: Option<(u32, u64)>,
     time: u64,
 }
@@ -67,15 +67,15 @@ impl<W: Write> VcdWriter<W> {
         out.timescale(1, TimescaleUnit::NS)?;
         out.add_module("beamtick")?;
         let mut signals = Vec::new();
-        let mut declare = |out: &mut vcd::Writer<W>, name: String, shown: Shown| -> Result<usize> {
-            let id = match shown {
-                Shown::Level(_) => out.add_wire(1, &name)?,
-                Shown::Number(_) => out.add_var(VarType::Real, 64, &name, None)?,
+        let mut declare = |out: &mut vcd::Writer<W>, name: String, last_value: LastValue| -> Result<usize> {
+            let id = match last_value {
+                LastValue::Level(_) => out.add_wire(1, &name)?,
+                LastValue::Number(_) => out.add_var(VarType::Real, 64, &name, None)?,
             };
-            signals.push(Signal { id, shown });
+            signals.push(Signal { id, last_value });
             Ok(signals.len() - 1)
         };
-        let low = Shown::Level(false);
+        let low = LastValue::Level(false);
         let mut axes = Vec::new();
         for &axis in &header.axes {
             axes.push(AxisSignals {
@@ -89,18 +89,18 @@ impl<W: Write> VcdWriter<W> {
         }
         let mut places = Vec::new();
         for &(n, level) in outputs {
-            places.push((n, declare(&mut out, format!("do{n}"), Shown::Level(level))?));
+            places.push((n, declare(&mut out, format!("do{n}"), LastValue::Level(level))?));
         }
         let mut volts = Vec::new();
         for &n in analog {
-            volts.push((n, declare(&mut out, format!("ao{n}_mv"), Shown::Number(0.0))?));
+            volts.push((n, declare(&mut out, format!("ao{n}_mv"), LastValue::Number(0.0))?));
         }
         let mut lasers = Vec::new();
         for laser in &header.lasers {
             lasers.push(LaserSignals {
                 energy: declare(&mut out, format!("{laser}_energy"), low)?,
                 switch: declare(&mut out, format!("{laser}_switch"), low)?,
-                dac: declare(&mut out, format!("{laser}_dac_mv"), Shown::Number(0.0))?,
+                dac: declare(&mut out, format!("{laser}_dac_mv"), LastValue::Number(0.0))?,
             });
         }
         out.upscope()?;
@@ -116,14 +116,14 @@ impl<W: Write> VcdWriter<W> {
     /// Takes a general output's edge; it is written with the row after it.
     pub fn edge(&mut self, edge: OutputEdge) {
         if let Some((_, signal)) = self.outputs.iter().find(|(n, _)| *n == edge.output) {
-            self.changes.push((edge.t_ns, *signal, Shown::Level(edge.level)));
+            self.changes.push((edge.t_ns, *signal, LastValue::Level(edge.level)));
         }
     }
 
     /// Takes what an analog output was set to; it is written with the row after it.
     pub fn analog(&mut self, edge: AnalogEdge) {
         if let Some((_, signal)) = self.analog.iter().find(|(n, _)| *n == edge.output) {
-            self.changes.push((edge.t_ns, *signal, Shown::Number(millivolts(edge.code))));
+            self.changes.push((edge.t_ns, *signal, LastValue::Number(millivolts(edge.code))));
         }
     }
 
@@ -133,15 +133,15 @@ impl<W: Write> VcdWriter<W> {
         let Some(LaserSignals { energy, switch, dac }) = self.lasers.get(laser) else { return };
         let changes = &mut self.changes;
         match *change {
-            SignalChange::Switch { at, level } => changes.push((at, *switch, Shown::Level(level))),
-            SignalChange::Energy { at, level } => changes.push((at, *energy, Shown::Level(level))),
+            SignalChange::Switch { at, level } => changes.push((at, *switch, LastValue::Level(level))),
+            SignalChange::Energy { at, level } => changes.push((at, *energy, LastValue::Level(level))),
             SignalChange::Pulses(burst) => {
                 for (from, to) in burst.pulses() {
-                    changes.push((from, *energy, Shown::Level(true)));
-                    changes.push((to, *energy, Shown::Level(false)));
+                    changes.push((from, *energy, LastValue::Level(true)));
+                    changes.push((to, *energy, LastValue::Level(false)));
                 }
             }
-            SignalChange::Dac { at, code } => changes.push((at, *dac, Shown::Number(millivolts(code)))),
+            SignalChange::Dac { at, code } => changes.push((at, *dac, LastValue::Number(millivolts(code)))),
         }
     }
 
@@ -167,13 +167,13 @@ impl<W: Write> VcdWriter<W> {
             }
             if count > 0 && signals.backwards != (steps < 0) {
                 signals.backwards = steps < 0;
-                self.changes.push((start, signals.dir, Shown::Level(steps < 0)));
+                self.changes.push((start, signals.dir, LastValue::Level(steps < 0)));
             }
             for k in 0..count {
                 let at = step_instant(k, count, length);
                 let high = (length / count / 2).max(1);
-                self.changes.push((start + at, signals.step, Shown::Level(true)));
-                self.changes.push((start + at + high, signals.step, Shown::Level(false)));
+                self.changes.push((start + at, signals.step, LastValue::Level(true)));
+                self.changes.push((start + at + high, signals.step, LastValue::Level(false)));
             }
         }
         self.row = Some((row.index, row.t_ns));
@@ -185,13 +185,15 @@ impl<W: Write> VcdWriter<W> {
         self.changes.sort_by_key(|(at, signal, _)| (*at, *signal));
         let due = self.changes.partition_point(|(at, ..)| *at < end);
         let mut due = self.changes.drain(..due).peekable();
-        while let Some((at, place, shown)) = due.next() {
+        while let Some((at, place, last_value)) = due.next() {
             // Of several at one instant, the last one holds.
             if due.peek().is_some_and(|next| (next.0, next.1) == (at, place)) {
                 continue;
             }
-            let Some(signal) = self.signals.get_mut(place).filter(|signal| signal.shown != shown) else { continue };
-            signal.shown = shown;
+            let Some(signal) = self.signals.get_mut(place).filter(|signal| signal.last_value != last_value) else {
+                continue;
+            };
+            signal.last_value = last_value;
             if self.time != at {
                 self.out.timestamp(at)?;
                 self.time = at;
@@ -220,9 +222,9 @@ fn millivolts(code: i16) -> f64 {
 }
 
 fn show<W: Write>(out: &mut vcd::Writer<W>, signal: &Signal) -> Result<()> {
-    match signal.shown {
-        Shown::Level(level) => out.change_scalar(signal.id, if level { Value::V1 } else { Value::V0 })?,
-        Shown::Number(number) => out.change_real(signal.id, number)?,
+    match signal.last_value {
+        LastValue::Level(level) => out.change_scalar(signal.id, if level { Value::V1 } else { Value::V0 })?,
+        LastValue::Number(number) => out.change_real(signal.id, number)?,
     }
     Ok(())
 }

@@ -108,9 +108,9 @@ impl<'m> Controller<'m> {
         self.core.visit(wire, holder, bytes)
     }
 
-    /// Answers a read of a viewer: see [`Server::look`].
-    pub fn look(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered {
-        self.core.look(record, out)
+    /// Answers a read of a viewer: see [`Server::answer_viewer`].
+    pub fn answer_viewer(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered {
+        self.core.answer_viewer(record, out)
     }
 
     /// Advances the counters by so many executed entries and `ns`, for tests of a long life.
@@ -238,7 +238,7 @@ impl<'m> Controller<'m> {
 trait Core {
     fn feed(&mut self, bytes: &[u8]);
     fn visit(&mut self, wire: &mut SecondaryTransport, holder: Option<&str>, bytes: &[u8]) -> (usize, bool);
-    fn look(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered;
+    fn answer_viewer(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered;
     #[cfg(feature = "test-hooks")]
     fn advance_counters(&mut self, entries: u32, ns: u64);
     #[cfg(feature = "test-hooks")]
@@ -317,22 +317,26 @@ struct Whole<'m, const AXES: usize> {
     /// Ticks since the thread last ran.
     idle_ticks: u32,
     /// What the thread saw when it last ran.
-    seen: Seen,
+    wake_facts: WakeFacts,
     /// Trace bytes that were not read yet.
     trace: Vec<u8>,
 }
 
 /// What in a view wakes the thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Seen {
+struct WakeFacts {
     done_immediate: u32,
     done_program: u32,
     program_runs: bool,
 }
 
-impl Seen {
+impl WakeFacts {
     fn of<const AXES: usize>(view: &View<AXES>) -> Self {
-        Seen { done_immediate: view.done_immediate, done_program: view.done_program, program_runs: view.program_runs }
+        WakeFacts {
+            done_immediate: view.done_immediate,
+            done_program: view.done_program,
+            program_runs: view.program_runs,
+        }
     }
 }
 
@@ -403,7 +407,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
             lanes,
             machine: Machine::new(),
             idle_ticks: 0,
-            seen: Seen::default(),
+            wake_facts: WakeFacts::default(),
             trace: Vec::new(),
         };
         // The first view is that of the first tick: no client reads the state before it.
@@ -424,13 +428,13 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
         // Taken at once: samples that the stream has no room for would be lost.
         drain(&mut self.trace, |part| self.server.take_trace(part));
         self.idle_ticks = 0;
-        self.seen = Seen::of(self.server.view());
+        self.wake_facts = WakeFacts::of(self.server.view());
     }
 
     /// Whether the thread has something to do.
     fn is_woken(&mut self) -> bool {
         self.idle_ticks >= THREAD_TICKS
-            || Seen::of(self.server.view()) != self.seen
+            || WakeFacts::of(self.server.view()) != self.wake_facts
             || self.server.next_deadline().is_some_and(|at| at <= self.tick.now())
     }
 }
@@ -458,8 +462,8 @@ impl<const AXES: usize> Core for Whole<'_, AXES> {
         outcome
     }
 
-    fn look(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered {
-        self.server.look(record, out)
+    fn answer_viewer(&self, record: &RequestRecord<'_>, out: &mut ReplyWriter<'_>) -> Answered {
+        self.server.answer_viewer(record, out)
     }
 
     #[cfg(feature = "test-hooks")]

@@ -124,7 +124,7 @@ fn turn(board: &Shared, due: u64, link: &mut Wires, stream: Option<&mut Port>) {
     }
     board.take_tx(&mut link.waiting);
     link.send();
-    link.viewers.turn(READS, |record, out| board.look(record, out));
+    link.viewers.turn(READS, |record, out| board.answer_viewer(record, out));
     let mut trace = Vec::new();
     board.take_trace(&mut trace);
     if let Some(stream) = stream {

@@ -106,7 +106,7 @@ impl AxisState {
 
     /// Its motion within the tick as its slaves see it, while it is driven.
     pub(super) fn driven_path(&self) -> MasterPathKind<'_> {
-        if self.goes_straight() {
+        if self.is_linear_between_ticks() {
             MasterPathKind::Straight
         } else {
             MasterPathKind::Track { along: &self.track, shift: 0 }
@@ -115,7 +115,7 @@ impl AxisState {
 
     /// Whether it moves straight from tick to tick.
     #[inline(always)]
-    pub(super) fn goes_straight(&self) -> bool {
+    pub(super) fn is_linear_between_ticks(&self) -> bool {
         self.track.is_straight()
     }
 
@@ -125,7 +125,7 @@ impl AxisState {
     }
 
     /// Its gear from now on, and its displacement `by` so far.
-    pub(crate) fn go_along(&mut self, drive: DrivenBy, by: Pos) {
+    pub(crate) fn engage_gear(&mut self, drive: DrivenBy, by: Pos) {
         if self.published.drive != Some(drive) {
             self.published.drive = Some(drive);
             self.mark_changed();
@@ -134,7 +134,7 @@ impl AxisState {
     }
 
     /// A motion that it was geared to has ended.
-    pub(crate) fn gone_along(&mut self, pulses: i32) {
+    pub(crate) fn end_geared_motion(&mut self, pulses: i32) {
         self.exact = Exact(self.exact.0.wrapping_add((pulses as i128) << 64));
     }
 
@@ -206,7 +206,7 @@ impl AxisState {
             self.step(next, source);
         }
         let (from, _) = self.moving(at, source);
-        self.profile.stand_before(next, self.published.pos);
+        self.profile.hold_until_next(next, self.published.pos);
         self.profile.begin_ramp(at, |run| run.begin_trap(at, from, to));
         let until = match self.profile.generator() {
             Generator::Ramp(run) => run.end(),

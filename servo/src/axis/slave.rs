@@ -183,7 +183,7 @@ impl AxisState {
             MasterPosition::Encoder => Some(reading(self.count())),
             MasterPosition::Planned => {
                 let straight = match self.profile.generator() {
-                    _ if self.state == MotionState::Driven => self.goes_straight(),
+                    _ if self.state == MotionState::Driven => self.is_linear_between_ticks(),
                     Generator::Follow(own) if self.state.is_own() => own.track.is_straight(),
                     _ => follower.knows(self.profile.piece()),
                 };

@@ -195,7 +195,7 @@ impl Channel {
         match order {
             GateOrder::Keep => {}
             GateOrder::On | GateOrder::Off => self.switch(at, order == GateOrder::On),
-            GateOrder::Cut => self.extinguish(),
+            GateOrder::Cut => self.end_light(),
             GateOrder::Ignored(why) => {
                 let LaserView { ignored, ignored_count, .. } = &mut self.published;
                 (*ignored, *ignored_count) = (why, ignored_count.wrapping_add(1));
@@ -414,7 +414,7 @@ impl Channel {
     }
 
     /// Light and first-pulse-killer pulse end without delays.
-    fn extinguish(&mut self) {
+    fn end_light(&mut self) {
         self.gate.clear();
         self.light.clear();
         self.pulse = NEVER;

@@ -311,13 +311,13 @@ pub struct Pattern {
     period: Bresenham,
     width: Bresenham,
     /// Counts of width that did not fit into the period before.
-    owed: u64,
+    width_carry: u64,
 }
 
 impl Pattern {
     /// At the beginning of a train.
     pub const BEGIN: Pattern =
-        Pattern { period: Bresenham { gathered: 0, of: 0 }, width: Bresenham { gathered: 0, of: 0 }, owed: 0 };
+        Pattern { period: Bresenham { gathered: 0, of: 0 }, width: Bresenham { gathered: 0, of: 0 }, width_carry: 0 };
 
     /// For a rate, this many 2⁻³² counts of a period before the train's next one.
     pub const fn of_rate(part: u32) -> Pattern {
@@ -334,13 +334,13 @@ impl Pattern {
     pub fn step(&mut self, train: &Train) -> (u64, u64) {
         let period = self.period.step(&train.period);
         if self.width.of != train.width.of {
-            self.owed = 0;
+            self.width_carry = 0;
         }
-        let wanted = self.width.step(&train.width).wrapping_add(self.owed);
+        let wanted = self.width.step(&train.width).wrapping_add(self.width_carry);
         let width = wanted.min(period);
-        self.owed = wanted.wrapping_sub(width);
+        self.width_carry = wanted.wrapping_sub(width);
         if train.is_full() {
-            self.owed = 0;
+            self.width_carry = 0;
             return (period, period);
         }
         (period, width)
@@ -431,7 +431,7 @@ impl CountStep {
 struct TrainSteps {
     period: CountStep,
     width: CountStep,
-    owed: u32,
+    width_carry: u32,
     is_full: bool,
 }
 
@@ -442,7 +442,7 @@ impl TrainSteps {
         TrainSteps {
             period: CountStep::of(&train.period, &before.period),
             width: CountStep::of(&train.width, &before.width),
-            owed: if before.width.of == train.width.of { before.owed as u32 } else { 0 },
+            width_carry: if before.width.of == train.width.of { before.width_carry as u32 } else { 0 },
             is_full: train.is_full(),
         }
     }
@@ -451,9 +451,9 @@ impl TrainSteps {
     #[inline(always)]
     fn step(&mut self) -> (u32, u32) {
         let period = self.period.step();
-        let wanted = self.width.step().wrapping_add(self.owed);
+        let wanted = self.width.step().wrapping_add(self.width_carry);
         let width = if self.is_full { period } else { wanted.min(period) };
-        self.owed = if self.is_full { 0 } else { wanted.wrapping_sub(width) };
+        self.width_carry = if self.is_full { 0 } else { wanted.wrapping_sub(width) };
         (period, width)
     }
 
@@ -487,13 +487,13 @@ impl TrainSteps {
     fn queue_together(&mut self, n: u32, sink: &mut impl FnMut(u32, u32, u32)) -> u32 {
         let (period, mut width) = (self.period.whole, self.width.whole);
         let long = self.period.odd(n);
-        let mut wide = self.width.odd(n).wrapping_add(self.owed);
-        self.owed = 0;
+        let mut wide = self.width.odd(n).wrapping_add(self.width_carry);
+        self.width_carry = 0;
         if self.is_full {
             (width, wide) = (period, long);
         } else if width == period && wide > long {
             // No pulse is wider than its period.
-            self.owed = wide.wrapping_sub(long);
+            self.width_carry = wide.wrapping_sub(long);
             wide = long;
         }
         let (both, either) = (long.min(wide), long.max(wide));
@@ -513,6 +513,6 @@ impl TrainSteps {
     /// The pattern after these steps.
     #[inline(always)]
     fn pattern(&self) -> Pattern {
-        Pattern { period: self.period.gathered(), width: self.width.gathered(), owed: self.owed.into() }
+        Pattern { period: self.period.gathered(), width: self.width.gathered(), width_carry: self.width_carry.into() }
     }
 }

@@ -123,7 +123,7 @@ pub(super) fn part(x: i128, shift: u32) -> i64 {
 
 /// The same of a number without a sign; shift from 1 to 128.
 #[inline(always)]
-pub(super) fn held(high: u64, low: u64, shift: u32) -> i64 {
+pub(super) fn unsigned_part(high: u64, low: u64, shift: u32) -> i64 {
     shifted(high, low, 0, shift)
 }
 

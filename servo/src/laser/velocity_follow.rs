@@ -8,7 +8,7 @@
 //! the *middle* of that interval. Under constant acceleration that is the mean: the energy of each
 //! interval is the ratio times its length, at any period. The speed at its beginning would lag by
 //! half a tick.
-use super::fixed_point::{PreparedShift, held};
+use super::fixed_point::{PreparedShift, unsigned_part};
 use super::power::Refused;
 use crate::math::wide::umul;
 use crate::path::PathSpeed;
@@ -84,5 +84,5 @@ impl SpeedGain {
 #[inline(never)]
 fn far(speed: PathSpeed, m: u64, shift: u32) -> i64 {
     let (high, low) = umul(speed.raw(), m);
-    held(high, low, shift)
+    unsigned_part(high, low, shift)
 }

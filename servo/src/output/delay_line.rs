@@ -47,7 +47,7 @@ impl DelayLine {
     }
 
     /// Whether its plan makes any light or standby.
-    pub fn lights(&self) -> bool {
+    pub fn makes_light(&self) -> bool {
         self.lights
     }
 

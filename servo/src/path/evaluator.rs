@@ -100,7 +100,7 @@ state! {
         here: PathPos = ORIGIN,
         /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
         pub rules: PathSettings = PathSettings::POWER_ON,
-        planning: Planning = Planning { unfinished: false, draft: GeometryStep::Nothing, sketch: SpeedPlanDraft::NONE },
+        planning: Planning = Planning { unfinished: false, draft: GeometryStep::Nothing, speed_draft: SpeedPlanDraft::NONE },
         /// At standstill: the part that is made belongs to a start with this FIFO, as if it began
         /// at 0.
         prepared: Option<u8> = None,
@@ -181,12 +181,12 @@ struct FastPath {
 /// The part of a motion that is being made.
 #[derive(Debug, Clone, Copy)]
 struct Planning {
-    /// The plan of the motion in force is not made yet beyond its first phase (`sketch`).
+    /// The plan of the motion in force is not made yet beyond its first phase (`speed_draft`).
     unfinished: bool,
     /// Of the geometry of the motion after it.
     draft: GeometryStep,
     /// Of the plan of that motion, or, as long as that is `unfinished`, of the one in force.
-    sketch: SpeedPlanDraft,
+    speed_draft: SpeedPlanDraft,
 }
 
 /// A phase in the form that the tick evaluates.
@@ -310,7 +310,7 @@ impl Path {
             motions,
             here,
             rules: _,
-            planning: Planning { unfinished, draft: _, sketch: _ },
+            planning: Planning { unfinished, draft: _, speed_draft: _ },
             prepared,
             trajectory,
             since,
@@ -343,7 +343,7 @@ impl Path {
     }
 
     /// Whether a start with this FIFO continues where the FIFO was interrupted.
-    pub fn goes_on(&self, fifo: u8) -> bool {
+    pub fn continues(&self, fifo: u8) -> bool {
         self.cursor_of(fifo).kept
     }
 

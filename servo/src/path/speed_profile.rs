@@ -101,10 +101,10 @@ impl SpeedPlan {
 
     /// Makes a part of it. Returns whether that was the last.
     #[inline(never)]
-    pub(super) fn advance(&mut self, sketch: &mut SpeedPlanDraft) -> bool {
-        sketch.todo = match sketch.todo {
+    pub(super) fn advance(&mut self, speed_draft: &mut SpeedPlanDraft) -> bool {
+        speed_draft.todo = match speed_draft.todo {
             PlannerStep::Bound => {
-                let SpeedPlanDraft { v, length, means, rule, .. } = &*sketch;
+                let SpeedPlanDraft { v, length, means, rule, .. } = &*speed_draft;
                 (self.count, self.exit, self.halts) = (0, *v, false);
                 if length.is_zero() || length.is_negative() {
                     PlannerStep::Nothing
@@ -114,40 +114,40 @@ impl SpeedPlan {
                 } else if *rule != SpeedRule::Free && self.keep_share(*v, *length, means, *rule) {
                     PlannerStep::Nothing
                 } else {
-                    self.bound(sketch)
+                    self.bound(speed_draft)
                 }
             }
             PlannerStep::Peak => {
-                sketch.aim();
-                if sketch.is_uneven() {
+                speed_draft.aim();
+                if speed_draft.is_uneven() {
                     PlannerStep::Even
                 } else {
-                    self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
+                    self.ramp(speed_draft.v, speed_draft.peak, speed_draft.means.acc, speed_draft.inverse);
                     PlannerStep::Remainder
                 }
             }
             PlannerStep::Even => {
-                sketch.even();
-                self.ramp(sketch.v, sketch.peak, sketch.means.acc, sketch.inverse);
+                speed_draft.even();
+                self.ramp(speed_draft.v, speed_draft.peak, speed_draft.means.acc, speed_draft.inverse);
                 PlannerStep::Remainder
             }
             PlannerStep::Remainder => {
-                let SpeedPlanDraft { cruise, peak, .. } = *sketch;
+                let SpeedPlanDraft { cruise, peak, .. } = *speed_draft;
                 if !cruise.is_zero() && !cruise.is_negative() {
                     self.push(cruise.div(peak), peak, Float::ZERO);
                 }
-                self.ramp(peak, sketch.means.end, sketch.means.acc, sketch.inverse);
+                self.ramp(peak, speed_draft.means.end, speed_draft.means.acc, speed_draft.inverse);
                 PlannerStep::Nothing
             }
             PlannerStep::Nothing => PlannerStep::Nothing,
         };
-        matches!(sketch.todo, PlannerStep::Nothing)
+        matches!(speed_draft.todo, PlannerStep::Nothing)
     }
 
     /// Makes its first phase. Returns whether that was all.
-    pub(super) fn begin(&mut self, sketch: &mut SpeedPlanDraft) -> bool {
+    pub(super) fn begin(&mut self, speed_draft: &mut SpeedPlanDraft) -> bool {
         loop {
-            if self.advance(sketch) {
+            if self.advance(speed_draft) {
                 return true;
             }
             if self.count != 0 {
@@ -180,13 +180,13 @@ impl SpeedPlan {
     }
 
     /// Whether the end speed can be reached at all.
-    fn bound(&mut self, sketch: &mut SpeedPlanDraft) -> PlannerStep {
-        let MotionLimits { acc, end, .. } = sketch.means;
+    fn bound(&mut self, speed_draft: &mut SpeedPlanDraft) -> PlannerStep {
+        let MotionLimits { acc, end, .. } = speed_draft.means;
         let inverse = acc.recip();
-        let (from, to) = (sketch.v.mul(sketch.v), end.mul(end));
-        let change = acc.mul(sketch.length).scale(1);
+        let (from, to) = (speed_draft.v.mul(speed_draft.v), end.mul(end));
+        let change = acc.mul(speed_draft.length).scale(1);
         let (low, high) = (from.sub(change), from.add(change));
-        (sketch.inverse, sketch.from, sketch.to, sketch.change) = (inverse, from, to, change);
+        (speed_draft.inverse, speed_draft.from, speed_draft.to, speed_draft.change) = (inverse, from, to, change);
         self.exit = end;
         if !reaches(low, to) && !reaches(to, high) {
             return PlannerStep::Peak;
@@ -199,7 +199,7 @@ impl SpeedPlan {
         } else {
             low.sqrt()
         };
-        self.ramp(sketch.v, self.exit, acc, inverse);
+        self.ramp(speed_draft.v, self.exit, acc, inverse);
         PlannerStep::Nothing
     }
 

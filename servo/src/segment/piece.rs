@@ -192,7 +192,7 @@ impl Piece {
     /// Position and τ of a fast-path piece.
     #[inline(always)]
     pub(crate) fn at_fast(&self, t: u32) -> (Pos, u64) {
-        (self.fast.at(t), self.motion.tau.wrapping_add(self.fast.gone(t)))
+        (self.fast.at(t), self.motion.tau.wrapping_add(self.fast.tau_from_begin(t)))
     }
 
     /// Position of a fast-path piece without acceleration.

@@ -198,7 +198,7 @@ impl Profile {
     /// A piece that begins after `now` and is over already was never in force at a tick: until the
     /// next piece begins, the axis stands at `pos`.
     #[inline]
-    pub(crate) fn stand_before(&mut self, now: Ns, pos: Pos) {
+    pub(crate) fn hold_until_next(&mut self, now: Ns, pos: Pos) {
         let piece = self.piece_mut();
         if piece.begin > now {
             *piece = Piece::standstill(now, u64::MAX, pos);

@@ -140,7 +140,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Whether a tick command changes light, or the outputs of a laser without light.
-    pub(crate) fn lights(&self, command: &TickCommand) -> bool {
+    pub(crate) fn changes_light(&self, command: &TickCommand) -> bool {
         matches!(command, TickCommand::Laser { .. }) && self.is_observable(command)
     }
 

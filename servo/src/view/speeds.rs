@@ -24,7 +24,7 @@ impl<const AXES: usize> AxisSpeeds<AXES> {
         self.speeds.get(axis.index()).copied().filter(|_| self.known.has(axis))
     }
 
-    fn learn(&mut self, axis: Axis, speed: Float) {
+    fn record_speed(&mut self, axis: Axis, speed: Float) {
         if let Some(slot) = self.speeds.get_mut(axis.index()) {
             *slot = speed;
             self.known.0 |= axis.mask().0;
@@ -64,7 +64,7 @@ impl<const AXES: usize> AxisSpeeds<AXES> {
             at = next;
         };
         while let Some(&master) = depth.checked_sub(1).and_then(|last| masters.get(last)) {
-            self.learn(master, speed);
+            self.record_speed(master, speed);
             depth = depth.wrapping_sub(1);
             let slave = match depth.checked_sub(1) {
                 Some(before) => masters.get(before).and_then(|axis| axes(*axis)),
@@ -74,7 +74,7 @@ impl<const AXES: usize> AxisSpeeds<AXES> {
             speed = led(&slave.motion, lead, speed);
         }
         if let Some(axis) = axis {
-            self.learn(axis, speed);
+            self.record_speed(axis, speed);
         }
         motion_of(speed, Float::ZERO)
     }

@@ -272,7 +272,7 @@ pub const LIGHT: &[Mutant] = &[
     Mutant {
         name: "move: the first of two moves within a tick is entered before the tick",
         file: "servo/src/axis/crd_member.rs",
-        text: "        self.profile.stand_before(next, self.published.pos);\n",
+        text: "        self.profile.hold_until_next(next, self.published.pos);\n",
         broken: "",
         test: MOVES,
     },

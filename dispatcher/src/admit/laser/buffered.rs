@@ -13,7 +13,7 @@ use super::power_range::RangeLimiter;
 use super::tables::table;
 use crate::admit::crd_data::{self, DataCommand, EntryKind, FifoItem, Target};
 use crate::admit::one;
-use crate::admit::written::{Paths, Stored, TakenValues, took};
+use crate::admit::written::{Paths, Stored, TakenValues, taken_values};
 use crate::refuse::{Admitted, Refused, finite};
 use crate::report::answer::TAKEN_MAX;
 use protocol::command::{
@@ -117,7 +117,7 @@ impl<const AXES: usize> Context<'_, AXES> {
         let value = taking.take(field, 0, got, range)?;
         let power = power(field, value)?;
         let limited = limited(shadow.mode, shadow.width_us, shadow.bounds.hold(power));
-        Ok((power, took(&[value], taking.limited | limited)))
+        Ok((power, taken_values(&[value], taking.limited | limited)))
     }
 
     /// Bounds of a velocity follow: the maximum is above the minimum (LSR, BufLaserFollowRatio), as
@@ -137,6 +137,6 @@ impl<const AXES: usize> Context<'_, AXES> {
         let bounds = own_bounds(mode, (min.0, low), (max.0, high))?;
         // The highest power of the follow.
         let limited = limited(mode, shadow.width_us, shadow.bounds.hold(bounds.max()));
-        Ok((bounds, took(&[high, low], taking.limited | limited)))
+        Ok((bounds, taken_values(&[high, low], taking.limited | limited)))
     }
 }

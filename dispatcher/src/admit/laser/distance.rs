@@ -6,7 +6,7 @@
 //! Fails: as every laser command does; ratios need a follow that is on.
 use super::energy::{own_bounds, powers};
 use super::power_range::{Range, RangeLimiter};
-use super::{Context, took};
+use super::{Context, answer_taken};
 use crate::refuse::{Admitted, Refused, choice, real};
 use crate::report::answer::Answer;
 use crate::report::replies::units;
@@ -56,7 +56,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode)
     let source = source(2, r.source.get())?;
     if !on {
         context.change_with(channel, ChannelChange::Distance(None), LaserChange::Distance(None));
-        return Ok(took(context, &[0.0; DISTANCES], 0));
+        return Ok(answer_taken(context, &[0.0; DISTANCES], 0));
     }
     let mut taking = RangeLimiter::new(context.is_lsr());
     let range = if context.is_lsr() { SCALES.1 } else { SCALES.0 };
@@ -68,7 +68,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &SetLaserDisMode)
     let (reference, ratio) = (r.pos.map(|pos| pos.get()), [0.0; DISTANCES]);
     let shadow = DistanceShadow { first, source, reference, scale, ratio, from: Ratios::Fixed, bounds: None };
     stage(context, channel, shadow)?;
-    Ok(took(context, &scale, taking.limited))
+    Ok(answer_taken(context, &scale, taking.limited))
 }
 
 /// Fixed ratios, which also replace a table. Bounds that are not given stay.
@@ -112,6 +112,6 @@ impl<const AXES: usize> Context<'_, AXES> {
     /// The reply: the bounds that hold for it, which are those of the mode if it has none.
     pub fn distance_bounds_reply(&mut self, channel: u8, shadow: &DistanceShadow, limited: u8) -> Answer {
         let bounds = shadow.bounds.unwrap_or(self.laser(channel).bounds);
-        took(self, &[units(bounds.max()), units(bounds.min())], limited)
+        answer_taken(self, &[units(bounds.max()), units(bounds.min())], limited)
     }
 }

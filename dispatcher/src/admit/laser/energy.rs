@@ -5,7 +5,7 @@
 //! goes the train for the power of the shadow state (`FixedTrain`), so that the tick need not
 //! search for it.
 use super::power_range::{Range, RangeLimiter};
-use super::{Context, took};
+use super::{Context, answer_taken};
 use crate::refuse::{Admitted, Refused, choice};
 use crate::report::answer::Answer;
 use crate::report::replies::{counts, units};
@@ -149,7 +149,7 @@ pub fn mode<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPowerMode) 
     if (before == PowerMode::Analog) != (mode == PowerMode::Analog) {
         pair_standby(context, (channel, mode))?;
     }
-    Ok(took(context, &[max, min], taking.limited | shadow.is_limited()))
+    Ok(answer_taken(context, &[max, min], taking.limited | shadow.is_limited()))
 }
 
 /// Reports the power that is reached, within its bounds.
@@ -163,7 +163,7 @@ pub fn direct<const AXES: usize>(context: &mut Context<AXES>, r: &LaserPrfCmd) -
     let clock = context.clock()?;
     let (power, fixed) = (shadow.power, shadow.fixed(clock));
     context.change_with(channel, ChannelChange::Direct { power, fixed }, LaserChange::Power(power));
-    Ok(took(context, &[shadow.reached(fixed, clock)], taking.limited | shadow.is_limited()))
+    Ok(answer_taken(context, &[shadow.reached(fixed, clock)], taking.limited | shadow.is_limited()))
 }
 
 /// Reports the frequency that is reached.
@@ -174,7 +174,7 @@ pub fn frequency<const AXES: usize>(context: &mut Context<AXES>, r: &LaserOutFrq
     let clock = context.clock()?;
     let carrier = carrier(1, value, clock)?;
     stage_carrier(context, channel, carrier)?;
-    Ok(took(context, &[khz(carrier.period(), clock)], taking.limited))
+    Ok(answer_taken(context, &[khz(carrier.period(), clock)], taking.limited))
 }
 
 fn stage_carrier<const AXES: usize>(context: &mut Context<AXES>, channel: u8, carrier: Carrier) -> Admitted<()> {
@@ -196,7 +196,7 @@ pub fn width<const AXES: usize>(context: &mut Context<AXES>, r: &SetPulseWidth) 
     if let Some(us) = NonZeroU16::new(width_us) {
         context.change_with(channel, ChannelChange::PulseWidth { us }, LaserChange::Width(width_us));
     }
-    Ok(took(context, &[width_us.into()], taking.limited | shadow.is_limited()))
+    Ok(answer_taken(context, &[width_us.into()], taking.limited | shadow.is_limited()))
 }
 
 /// SetWaitPulseEx of the LSR family acts only while both channels are PWM (LSR, command 21): its
@@ -241,7 +241,7 @@ pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVlt
     let volts = taking.take(2, 0, r.voltage.get(), VOLTS)?;
     let volts_fixed = power(2, volts)?;
     context.change(channel, ChannelChange::PreVoltage(on.then_some(volts_fixed)));
-    Ok(took(context, &[volts], taking.limited))
+    Ok(answer_taken(context, &[volts], taking.limited))
 }
 
 /// The range of frequencies in the LSR family, of both channels: a set value above a new range is
@@ -318,6 +318,6 @@ impl<const AXES: usize> Context<'_, AXES> {
             let train = pulses.train();
             (khz(train.period, clock), percent(train))
         });
-        Ok(took(self, &[reached.0, reached.1], taking.limited))
+        Ok(answer_taken(self, &[reached.0, reached.1], taking.limited))
     }
 }

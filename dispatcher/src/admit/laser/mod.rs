@@ -42,8 +42,8 @@ const FIRST_CONNECTOR: i16 = 7;
 const TIME_MAX_US: u16 = u16::MAX;
 
 /// What is taken, for the reply: its values and which of them were limited.
-fn took<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], limited: u8) -> Answer {
-    let (all, count, limited) = crate::admit::written::took(values, limited);
+fn answer_taken<const AXES: usize>(context: &mut Context<AXES>, values: &[f64], limited: u8) -> Answer {
+    let (all, count, limited) = crate::admit::written::taken_values(values, limited);
     context.effect = Effect::Took(all);
     Answer::Took { count, limited }
 }
@@ -186,7 +186,7 @@ pub fn delays<const AXES: usize>(context: &mut Context<AXES>, r: &SetLevelDelay)
     let off = taking.whole(1, 0, r.off_delay_us.get(), 0, TIME_MAX_US)?;
     let on = taking.whole(2, 1, r.on_delay_us.get(), 0, TIME_MAX_US)?;
     context.change(channel, ChannelChange::Delays(Delays { off, on }));
-    Ok(took(context, &[off.into(), on.into()], taking.limited))
+    Ok(answer_taken(context, &[off.into(), on.into()], taking.limited))
 }
 
 pub fn fpk_on<const AXES: usize>(context: &mut Context<AXES>, r: &EnaFPK) -> Admitted<Answer> {
@@ -197,7 +197,7 @@ pub fn fpk_on<const AXES: usize>(context: &mut Context<AXES>, r: &EnaFPK) -> Adm
     let end = taking.whole(3, 2, r.laser_off_delay_us.get(), 0, TIME_MAX_US)?;
     let fpk = NonZeroU16::new(pulse).map(|pulse| Fpk { pulse, begin, end });
     context.change(channel, ChannelChange::Fpk(fpk));
-    Ok(took(context, &[pulse.into(), begin.into(), end.into()], taking.limited))
+    Ok(answer_taken(context, &[pulse.into(), begin.into(), end.into()], taking.limited))
 }
 
 pub fn fpk_off<const AXES: usize>(context: &mut Context<AXES>, r: &DisFPK) -> Admitted<Answer> {

@@ -11,7 +11,7 @@
 use super::distance::{ratio, running, stage};
 use super::energy::{power, powers};
 use super::power_range::{Range, RangeLimiter};
-use super::{Context, took};
+use super::{Context, answer_taken};
 use crate::admit::length;
 use crate::admit::upload::Upload;
 use crate::refuse::{Admitted, Refused, choice, real, within};
@@ -179,7 +179,7 @@ impl TableUpload {
         self.keep(&chunk, bank, done)?;
         if !chunk.is_last() {
             context.stage(TickCommand::Mark);
-            return Ok((took(context, &[limited.into()], 0), None));
+            return Ok((answer_taken(context, &[limited.into()], 0), None));
         }
         if let Some(curve) = Curve::power(channel, table) {
             for (index, (vel, power)) in self.points.iter().take(total).enumerate() {
@@ -189,7 +189,7 @@ impl TableUpload {
             tables.finish(curve, total);
         }
         context.enter(channel, LaserChange::TableFilled(table));
-        Ok((took(context, &[limited.into()], 0), Some((channel, table))))
+        Ok((answer_taken(context, &[limited.into()], 0), Some((channel, table))))
     }
 
     fn lines<const AXES: usize>(&mut self, context: &mut Context<AXES>, tables: &PowerTables, body: &[u8]) -> Loaded {

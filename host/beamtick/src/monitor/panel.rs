@@ -66,14 +66,14 @@ impl Program {
 }
 
 /// A line that is not answered yet.
-struct Sent {
+struct SentLine {
     bytes: usize,
     /// Of the program, from 0.
     line: Option<usize>,
 }
 
 /// A run of the program.
-struct Run {
+struct ProgramRun {
     /// Lines that were sent, and that were answered.
     sent: usize,
     done: usize,
@@ -87,8 +87,8 @@ pub struct Panel {
     ends: Arc<AtomicBool>,
     thread: Option<JoinHandle<Result<Served, Error>>>,
     program: Option<Program>,
-    run: Option<Run>,
-    sent: VecDeque<Sent>,
+    run: Option<ProgramRun>,
+    sent: VecDeque<SentLine>,
     /// Lines of keys that wait to be sent.
     waiting: VecDeque<String>,
     /// A reset was sent, whose banner has not come.
@@ -189,7 +189,7 @@ impl Panel {
             Key::Frame => return self.frame(),
             Key::Start => match &self.program {
                 None => return "there is no program: beamtick monitor PROGRAM --command".to_owned(),
-                Some(_) => self.run = Some(Run { sent: 0, done: 0, ran: Duration::ZERO }),
+                Some(_) => self.run = Some(ProgramRun { sent: 0, done: 0, ran: Duration::ZERO }),
             },
             Key::Quit | Key::Unknown => {}
         }
@@ -248,7 +248,7 @@ impl Panel {
         if !self.resets {
             self.feed();
         }
-        let is_over = |run: &Run, program: &Program| run.done >= program.lines.len();
+        let is_over = |run: &ProgramRun, program: &Program| run.done >= program.lines.len();
         if self.run.as_ref().zip(self.program.as_ref()).is_some_and(|(run, program)| is_over(run, program))
             && self.fresh
             && self.state == "Idle"
@@ -279,7 +279,7 @@ impl Panel {
                 return;
             }
             self.at_once(format!("{text}\n").as_bytes());
-            self.sent.push_back(Sent { bytes, line });
+            self.sent.push_back(SentLine { bytes, line });
             match line {
                 None => drop(self.waiting.pop_front()),
                 Some(_) => {

@@ -15,15 +15,6 @@ use trace::Millimetres;
 
 /// Axes of an AxisStatus.
 const AXES: i16 = 16;
-/// Bits of an axis that are a fault, and what they are.
-const FAULTS: [(u32, &str); 6] = [
-    (status::ALARM, "drive alarm"),
-    (status::FOLLOWING_ERROR, "following error"),
-    (status::LIMIT_POSITIVE, "positive limit"),
-    (status::LIMIT_NEGATIVE, "negative limit"),
-    (status::STOP_SMOOTH, "stopped by an input"),
-    (status::STOP_ABRUPT, "stopped by an input"),
-];
 /// In [`JobState`]: nobody knows.
 pub const UNKNOWN_MS: u32 = u32::MAX;
 
@@ -273,7 +264,7 @@ impl State {
     /// Whether it is shown.
     fn axis(&mut self, (core, number): (u8, u8), item: &AxisItem, millimetres: &[Millimetres]) -> bool {
         let bits = item.status.get();
-        let found: Vec<&str> = FAULTS.iter().filter(|(bit, _)| bits & bit != 0).map(|(_, what)| *what).collect();
+        let found: Vec<&str> = status::faults(bits).collect();
         let name = if core == 1 { format!("axis {number}") } else { format!("axis {number} of core {core}") };
         let mm = millimetres.iter().find(|mm| (mm.axis.core, mm.axis.axis) == (core, number));
         let on = bits & status::SERVO_ON != 0;

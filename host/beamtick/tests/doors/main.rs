@@ -164,7 +164,7 @@ fn compare(name: &str, family: &str, steps: &[Step], table: &mut Table) -> Vec<S
         // are not shown. Among the values of GetCaptureStatus is a clock.
         let timed = call.function.name == "GetCaptureStatus";
         // Of what a reply of many fields says, these show one.
-        let reply = if call.function.tells_stop() { &wire.answers[number].values } else { &all[number] };
+        let reply = if call.function.reports_stop() { &wire.answers[number].values } else { &all[number] };
         if shows && !timed && codes[0] == 0 && !padded(reply).ends_with(job_values) {
             differences.push(format!("step {number}: {}: job {job_values:?}, wire {reply:?}", shown(call)));
         }

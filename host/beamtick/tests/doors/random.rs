@@ -107,7 +107,7 @@ fn answers(programme: &Programme, run: &Run) -> Option<(usize, String)> {
             return Some((number, format!("step {number}: {}: values of C, Python, wire: {values:?}", shown(call))));
         }
         // Of what a reply of many fields says, these show one.
-        let mut all = if call.function.tells_stop() { wired.clone() } else { run.all[number].clone() };
+        let mut all = if call.function.reports_stop() { wired.clone() } else { run.all[number].clone() };
         all.resize(all.len() + missing, 0.0);
         let reported = all.ends_with(&job[number].values) || run.all[number].ends_with(&job[number].values);
         if shows && !timed && !run.left_out.contains(&number) && !reported {

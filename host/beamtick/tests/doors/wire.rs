@@ -399,7 +399,7 @@ fn requests(call: &Call) -> Result<Vec<Vec<u8>>, String> {
                 "core" => put(&mut body, of, &call.core.unwrap_or(1).to_string()),
                 "form" => put(&mut body, of, if call.core.is_some() { "0" } else { "1" }),
                 "first" => put(&mut body, of, &(number * part).to_string()),
-                "count" if call.function.tells_stop() => put(&mut body, of, "1"),
+                "count" if call.function.reports_stop() => put(&mut body, of, "1"),
                 name if name.ends_with("_given") => {
                     let reported =
                         call.function.params.iter().position(|param| Some(param.name) == call.function.reports_given);

@@ -102,7 +102,7 @@ impl Feed {
     }
 
     /// Waits for news of the machine, at most so long.
-    pub fn news(&self, wait: Duration) {
+    pub fn wait_for_change(&self, wait: Duration) {
         let view = locked(&self.shared.view);
         drop(self.shared.fresh.wait_timeout(view, wait));
     }

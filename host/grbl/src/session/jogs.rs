@@ -13,7 +13,7 @@ impl Session<'_> {
     /// `$J=`.
     pub(crate) fn jog(&mut self, text: &str) -> Result<(), Error> {
         if self.alarm.is_some() || self.checks || !(self.jogs || self.feed.idle()) {
-            self.tell(self.not_now());
+            self.message(self.not_now());
             self.answer(errors::NOT_IDLE);
             return Ok(());
         }
@@ -24,7 +24,7 @@ impl Session<'_> {
                 self.answer(0);
             }
             Err(why) => {
-                self.tell(&why);
+                self.message(&why);
                 self.answer(errors::number(&why));
             }
         }

@@ -20,7 +20,7 @@ const STILL_ACTIVE: c_ulong = 259;
 const OBJECTS_MAX: usize = 64;
 
 /// What an object is.
-enum Kind {
+enum ObjectKind {
     /// A thread: its code once it has ended, how often it is suspended before it starts, whether it
     /// is to end.
     Thread { code: Option<c_ulong>, suspended: u32, ends: bool },
@@ -34,7 +34,7 @@ enum Kind {
 
 /// An object, and how many handles it has: a running thread holds one of its own.
 struct Object {
-    kind: Kind,
+    kind: ObjectKind,
     handles: u32,
 }
 
@@ -50,7 +50,7 @@ impl Objects {
         Objects { all: BTreeMap::new(), last: 0 }
     }
 
-    fn add(&mut self, kind: Kind, handles: u32) -> c_ulong {
+    fn add(&mut self, kind: ObjectKind, handles: u32) -> c_ulong {
         self.last += 1;
         self.all.insert(self.last, Object { kind, handles });
         self.last
@@ -68,22 +68,22 @@ impl Objects {
     /// Whether a wait of thread `me` ends with this object.
     fn is_ready(&self, handle: c_ulong, me: u64) -> bool {
         self.all.get(&handle).is_some_and(|object| match object.kind {
-            Kind::Thread { code, .. } => code.is_some(),
-            Kind::Event { set, .. } => set,
-            Kind::Mutex { owner, depth } => depth == 0 || owner == me,
-            Kind::Semaphore { count, .. } => count > 0,
+            ObjectKind::Thread { code, .. } => code.is_some(),
+            ObjectKind::Event { set, .. } => set,
+            ObjectKind::Mutex { owner, depth } => depth == 0 || owner == me,
+            ObjectKind::Semaphore { count, .. } => count > 0,
         })
     }
 
     /// Takes what it gives.
     fn take(&mut self, handle: c_ulong, me: u64) {
         match self.all.get_mut(&handle).map(|object| &mut object.kind) {
-            Some(Kind::Event { manual: false, set }) => *set = false,
-            Some(Kind::Mutex { owner, depth }) => {
+            Some(ObjectKind::Event { manual: false, set }) => *set = false,
+            Some(ObjectKind::Mutex { owner, depth }) => {
                 *owner = me;
                 *depth += 1;
             }
-            Some(Kind::Semaphore { count, .. }) => *count -= 1,
+            Some(ObjectKind::Semaphore { count, .. }) => *count -= 1,
             _ => {}
         }
     }
@@ -94,7 +94,7 @@ impl Objects {
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_thread_new(suspended: c_int) -> c_ulong {
     expect_thread();
-    let kind = Kind::Thread { code: None, suspended: u32::from(suspended != 0), ends: false };
+    let kind = ObjectKind::Thread { code: None, suspended: u32::from(suspended != 0), ends: false };
     lock().objects.add(kind, 2)
 }
 
@@ -112,7 +112,7 @@ pub extern "system" fn beamtick_thread_failed(thread: c_ulong) {
 pub extern "system" fn beamtick_thread_begin(thread: c_ulong) {
     register(true);
     let runs = |inner: &mut Inner| match inner.objects.all.get(&thread).map(|object| &object.kind) {
-        Some(Kind::Thread { suspended: 1.., .. }) => None,
+        Some(ObjectKind::Thread { suspended: 1.., .. }) => None,
         _ => Some(()),
     };
     waits::wait(None, runs);
@@ -122,7 +122,7 @@ pub extern "system" fn beamtick_thread_begin(thread: c_ulong) {
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_thread_end(thread: c_ulong, result: c_ulong) {
     let mut inner = lock();
-    if let Some(Object { kind: Kind::Thread { code, .. }, .. }) = inner.objects.all.get_mut(&thread) {
+    if let Some(Object { kind: ObjectKind::Thread { code, .. }, .. }) = inner.objects.all.get_mut(&thread) {
         *code = Some(result);
     }
     inner.objects.release(thread);
@@ -133,7 +133,7 @@ pub extern "system" fn beamtick_thread_end(thread: c_ulong, result: c_ulong) {
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_thread_resume(thread: c_ulong) -> c_int {
     let mut inner = lock();
-    let Some(Object { kind: Kind::Thread { suspended, .. }, .. }) = inner.objects.all.get_mut(&thread) else {
+    let Some(Object { kind: ObjectKind::Thread { suspended, .. }, .. }) = inner.objects.all.get_mut(&thread) else {
         return -1;
     };
     let before = *suspended;
@@ -146,7 +146,9 @@ pub extern "system" fn beamtick_thread_resume(thread: c_ulong) -> c_int {
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_thread_stop(thread: c_ulong) -> c_int {
     let mut inner = lock();
-    let Some(Object { kind: Kind::Thread { ends, .. }, .. }) = inner.objects.all.get_mut(&thread) else { return 0 };
+    let Some(Object { kind: ObjectKind::Thread { ends, .. }, .. }) = inner.objects.all.get_mut(&thread) else {
+        return 0;
+    };
     *ends = true;
     inner.signal();
     1
@@ -156,7 +158,10 @@ pub extern "system" fn beamtick_thread_stop(thread: c_ulong) -> c_int {
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_thread_is_stopped(thread: c_ulong) -> c_int {
     let inner = lock();
-    c_int::from(matches!(inner.objects.all.get(&thread), Some(Object { kind: Kind::Thread { ends: true, .. }, .. })))
+    c_int::from(matches!(
+        inner.objects.all.get(&thread),
+        Some(Object { kind: ObjectKind::Thread { ends: true, .. }, .. })
+    ))
 }
 
 /// The code of a thread: 259 while it runs. 0 if there is none.
@@ -166,7 +171,7 @@ pub extern "system" fn beamtick_thread_is_stopped(thread: c_ulong) -> c_int {
 #[unsafe(no_mangle)]
 pub unsafe extern "system" fn beamtick_thread_code(thread: c_ulong, code: *mut c_ulong) -> c_int {
     match lock().objects.all.get(&thread) {
-        Some(Object { kind: Kind::Thread { code: found, .. }, .. }) => {
+        Some(Object { kind: ObjectKind::Thread { code: found, .. }, .. }) => {
             // SAFETY: the caller's.
             unsafe { code.write(found.unwrap_or(STILL_ACTIVE)) };
             1
@@ -178,14 +183,14 @@ pub unsafe extern "system" fn beamtick_thread_code(thread: c_ulong, code: *mut c
 /// An event.
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_event_new(manual: c_int, set: c_int) -> c_ulong {
-    lock().objects.add(Kind::Event { manual: manual != 0, set: set != 0 }, 1)
+    lock().objects.add(ObjectKind::Event { manual: manual != 0, set: set != 0 }, 1)
 }
 
 /// Sets or clears an event; 0 if there is none.
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_event_set(event: c_ulong, to: c_int) -> c_int {
     let mut inner = lock();
-    let Some(Object { kind: Kind::Event { set, .. }, .. }) = inner.objects.all.get_mut(&event) else { return 0 };
+    let Some(Object { kind: ObjectKind::Event { set, .. }, .. }) = inner.objects.all.get_mut(&event) else { return 0 };
     *set = to != 0;
     inner.signal();
     1
@@ -195,7 +200,7 @@ pub extern "system" fn beamtick_event_set(event: c_ulong, to: c_int) -> c_int {
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_mutex_new(owned: c_int) -> c_ulong {
     let owner = me();
-    lock().objects.add(Kind::Mutex { owner, depth: u32::from(owned != 0) }, 1)
+    lock().objects.add(ObjectKind::Mutex { owner, depth: u32::from(owned != 0) }, 1)
 }
 
 /// Gives a mutex back; 0 if the calling thread has not got it.
@@ -204,7 +209,7 @@ pub extern "system" fn beamtick_mutex_release(mutex: c_ulong) -> c_int {
     let me = me();
     let mut inner = lock();
     match inner.objects.all.get_mut(&mutex) {
-        Some(Object { kind: Kind::Mutex { owner, depth: depth @ 1.. }, .. }) if *owner == me => {
+        Some(Object { kind: ObjectKind::Mutex { owner, depth: depth @ 1.. }, .. }) if *owner == me => {
             *depth -= 1;
             if *depth == 0 {
                 inner.signal();
@@ -221,7 +226,7 @@ pub extern "system" fn beamtick_semaphore_new(count: c_int, most: c_int) -> c_ul
     if most <= 0 || !(0..=most).contains(&count) {
         return 0;
     }
-    lock().objects.add(Kind::Semaphore { count: count.into(), most: most.into() }, 1)
+    lock().objects.add(ObjectKind::Semaphore { count: count.into(), most: most.into() }, 1)
 }
 
 /// Adds to a semaphore; what it had, or −1.
@@ -229,7 +234,9 @@ pub extern "system" fn beamtick_semaphore_new(count: c_int, most: c_int) -> c_ul
 pub extern "system" fn beamtick_semaphore_release(semaphore: c_ulong, more: c_int) -> c_int {
     let mut inner = lock();
     match inner.objects.all.get_mut(&semaphore) {
-        Some(Object { kind: Kind::Semaphore { count, most }, .. }) if more > 0 && *count + i64::from(more) <= *most => {
+        Some(Object { kind: ObjectKind::Semaphore { count, most }, .. })
+            if more > 0 && *count + i64::from(more) <= *most =>
+        {
             let before = *count;
             *count += i64::from(more);
             inner.signal();
@@ -271,7 +278,7 @@ pub unsafe extern "system" fn beamtick_wait(
         if handles.iter().any(|handle| !objects.all.contains_key(handle)) {
             return Some(FAILED);
         }
-        if let Some(Object { kind: Kind::Thread { ends: true, .. }, .. }) = objects.all.get(&thread) {
+        if let Some(Object { kind: ObjectKind::Thread { ends: true, .. }, .. }) = objects.all.get(&thread) {
             return Some(TIMEOUT);
         }
         if all != 0 {
@@ -294,7 +301,7 @@ pub unsafe extern "system" fn beamtick_wait(
 #[unsafe(no_mangle)]
 pub extern "system" fn beamtick_thread_sleep(thread: c_ulong, milliseconds: c_ulong) {
     let stopped = |inner: &mut Inner| match inner.objects.all.get(&thread) {
-        Some(Object { kind: Kind::Thread { ends: true, .. }, .. }) => Some(()),
+        Some(Object { kind: ObjectKind::Thread { ends: true, .. }, .. }) => Some(()),
         _ => None,
     };
     #[allow(clippy::useless_conversion)] // It has 32 bits on Windows.

@@ -1,7 +1,7 @@
 //! A call beyond the manuals that the library answers (`more`): its arguments, its results, and
 //! waits.
 
-use super::{Kind, Prepared, member, place};
+use super::{Kind, Prepared, member, scalar_member};
 use crate::boundary::Arg;
 use crate::card::CardSlot;
 use crate::compat::waits;
@@ -117,7 +117,7 @@ unsafe fn store(prepared: &Prepared, args: &[Arg], values: &[f64]) {
             }
             (Kind::OutStruct(of), Arg::Address(address)) => {
                 for (name, _, count) in of.fields() {
-                    let (scalar, offset) = place(of, name);
+                    let (scalar, offset) = scalar_member(of, name);
                     for n in 0..*count {
                         if let Some(value) = values.next() {
                             // SAFETY: the caller's struct has this member.

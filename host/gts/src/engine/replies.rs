@@ -1,6 +1,6 @@
 //! From a reply to what the caller gets: values at its addresses, a text, a note of what was
 //! limited.
-use super::{Kind, Prepared, place};
+use super::{Kind, Prepared, scalar_member};
 use crate::boundary::Arg;
 use crate::prototype::Scalar;
 use crate::reason;
@@ -36,7 +36,7 @@ impl Prepared {
             for (argument, arg) in self.prototype.arguments.iter().zip(args) {
                 if let (Kind::OutStruct(of), Arg::Address(address)) = (argument.kind, arg) {
                     for ((name, ..), numbers) in of.fields().iter().zip(&fixed) {
-                        let (scalar, offset) = place(of, name);
+                        let (scalar, offset) = scalar_member(of, name);
                         for (n, number) in numbers.iter().enumerate() {
                             // SAFETY: the caller's struct has this member.
                             unsafe { request::store(address.byte_add(offset + n * size(scalar)), scalar, *number) };
@@ -146,8 +146,8 @@ impl Prepared {
 }
 
 /// What a laser command did not take as it was given (LSR: the nearest bound), from its reply's
-/// `held`.
-pub(super) fn held(prepared: &Prepared, mut reply: &[u8]) -> Option<String> {
+/// `limited`.
+pub(super) fn limited(prepared: &Prepared, mut reply: &[u8]) -> Option<String> {
     let command = prepared.command?;
     if command.reply.last().is_none_or(|(name, _)| *name != "held") || prepared.reads() {
         return None;

@@ -37,7 +37,7 @@ impl Memory {
     }
     fn of_struct(of: Type) -> Memory {
         let (name, scalar, count) = prototype::members(of).pop().unwrap();
-        let mut memory = Memory::bytes(place(of, name).1 + count * size(scalar));
+        let mut memory = Memory::bytes(scalar_member(of, name).1 + count * size(scalar));
         memory.0[AROUND..AROUND + memory.1].fill(0);
         memory
     }

@@ -335,7 +335,7 @@ impl Timer {
             self.disable(at);
         }
         self.publish(at, out);
-        self.tell(out);
+        self.add_interrupts(out);
     }
 
     /// Whether MOE cannot be set: the break is active, or the flag of the chip's breaks is set
@@ -377,7 +377,7 @@ impl Timer {
     }
 
     /// The lines of the interrupts.
-    fn tell(&self, out: &mut Vec<Signal>) {
+    fn add_interrupts(&self, out: &mut Vec<Signal>) {
         let active = self.sr & self.dier;
         let [update, compare, brake] = self.kind.lines;
         if update == compare {

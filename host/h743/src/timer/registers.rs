@@ -170,7 +170,7 @@ impl Device for Timer {
         }
         self.await_edge(at);
         self.publish(at, out);
-        self.tell(out);
+        self.add_interrupts(out);
         Some(())
     }
 
@@ -223,7 +223,7 @@ impl Device for Timer {
                 }
             }
             self.publish(due, out);
-            self.tell(out);
+            self.add_interrupts(out);
         }
     }
 
@@ -241,7 +241,7 @@ impl Device for Timer {
         (self.burst, self.burst_asks) = burst;
         self.complaint = complaint;
         self.publish(at, out);
-        self.tell(out);
+        self.add_interrupts(out);
     }
 
     fn clocks(&mut self, clocks: &Clocks, at: Time) {

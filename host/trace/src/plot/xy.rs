@@ -296,9 +296,9 @@ impl Picture for Xy {
             .x_desc(self.label(self.axes.0))
             .draw()
             .map_err(as_plot)?;
-        draw_way(&mut chart, beam, false, scale)?;
+        draw_path(&mut chart, beam, false, scale)?;
         if let Some((other, _)) = other {
-            draw_way(&mut chart, other, true, scale)?;
+            draw_path(&mut chart, other, true, scale)?;
         }
         draw_signs(&chart, beam.route.nodes(), scale)
     }
@@ -335,7 +335,7 @@ fn draw_bar<B: DrawingBackend>(area: &DrawingArea<B, Shift>, (_, most): (PowerUn
 }
 
 /// The path, the dark parts first. Of a laser beside (`other`) the light alone, in one colour.
-fn draw_way<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, other: bool, scale: u32) -> Result<()> {
+fn draw_path<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, other: bool, scale: u32) -> Result<()> {
     let bar = beam.scale().filter(|_| !other);
     let plain = match (bar, beam.name) {
         (None, None) => POSITION.stroke_width(2 * scale),

@@ -60,7 +60,7 @@ impl Channel {
             return;
         }
         self.power = power;
-        let Some(width) = self.plain.width(power) else { return self.retrain_light(around, plan) };
+        let Some(width) = self.plain.width(power) else { return self.change_train_of_light(around, plan) };
         // The carrier goes on: only its pulses differ.
         self.train.width = width;
         if width == self.out.train.width {
@@ -73,7 +73,7 @@ impl Channel {
 
     /// The same if more may change than the width of its pulses.
     #[inline(never)]
-    fn retrain_light(&mut self, around: &FollowInputs<impl Positions>, plan: &mut LaserPlan) {
+    fn change_train_of_light(&mut self, around: &FollowInputs<impl Positions>, plan: &mut LaserPlan) {
         self.published.limited = self.energy.light(self.power, around.clock, &mut self.train);
         if self.train != self.out.train {
             let action = self.go_on();
@@ -238,7 +238,7 @@ impl Channel {
     /// A dark channel: nothing is on, nothing pends, and nothing of the plan takes place.
     #[inline(never)]
     fn go_dark(&mut self) {
-        self.extinguish();
+        self.end_light();
         (self.cut, self.planned, self.out, self.next_edge) = (false, 0, Outputs::SAFE_STATE, NEVER);
     }
 
@@ -257,7 +257,7 @@ impl Channel {
                 self.darken(at, is_level, plan);
             }
         } else if anew {
-            self.retrain(at, plan);
+            self.change_train(at, plan);
         }
         let gate = if self.fpk.is_some() { self.pulse != NEVER } else { self.gate.level };
         let switch = gate || self.energy.holds_switch();
@@ -289,7 +289,7 @@ impl Channel {
 
     /// Light, or its absence, goes on, perhaps with another train.
     #[inline(never)]
-    fn retrain(&mut self, at: u32, plan: &mut LaserPlan) {
+    fn change_train(&mut self, at: u32, plan: &mut LaserPlan) {
         let standby = self.energy.standby().map_or(&Train::NONE, |standby| standby.train());
         let train = *if self.out.light { &self.train } else { standby };
         if train == self.out.train {

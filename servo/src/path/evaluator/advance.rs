@@ -233,7 +233,7 @@ impl Path {
                 }
             }
             if moves {
-                if !self.gears_go_along(sink) {
+                if !self.gears_are_accepted(sink) {
                     self.cursor(self.fifo).inside = true;
                     self.speed = Float::ZERO;
                     return self.wait(self.time.wrapping_add(ENDLESS_WAIT_FINE_NS));
@@ -252,9 +252,9 @@ impl Path {
     /// Whether every axis that is geared to the motion just entered goes along. A motion without
     /// length moves none: its whole displacement would be one step.
     #[inline(always)]
-    fn gears_go_along(&self, sink: &mut impl Effects) -> bool {
+    fn gears_are_accepted(&self, sink: &mut impl Effects) -> bool {
         let stands = self.motions.now().shape.length.is_zero();
-        self.gears_of(self.fifo).all(|gear| sink.goes_along(gear.axis, !stands || gear.pulses == 0))
+        self.gears_of(self.fifo).all(|gear| sink.accepts_gear(gear.axis, !stands || gear.pulses == 0))
     }
 
     /// Carries out an entry that was not prepared. Returns the instant until which the path waits

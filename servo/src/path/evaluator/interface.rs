@@ -25,7 +25,7 @@ pub trait Effects {
     fn geared(&mut self, at: FineNs, axis: Axis, pulses: i32);
     /// Whether an axis goes along with the motion that is entered; else the path stops before it.
     /// `can`: the motion has a length, or does not move it.
-    fn goes_along(&mut self, _axis: Axis, _can: bool) -> bool {
+    fn accepts_gear(&mut self, _axis: Axis, _can: bool) -> bool {
         true
     }
     /// More axes than a path can gear to one motion; this one stays.

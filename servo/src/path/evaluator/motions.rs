@@ -175,7 +175,7 @@ impl Path {
                 let Prepared { counter, along, shape, .. } = self.motions.next();
                 let after = self.what_follows(fifo, counter.wrapping_add(1), feed, source);
                 let (means, left) = (self.means(*along, after), shape.length.sub(Float::from_exact(distance)));
-                self.planning.sketch.begin(speed, left, means);
+                self.planning.speed_draft.begin(speed, left, means);
                 let open = (after == After::Nothing).then_some(end_of(feed, fifo));
                 let ahead = self.motions.next_mut();
                 (ahead.open, ahead.state) = (open, Preparation::Sketched);
@@ -260,7 +260,7 @@ impl Path {
     /// Makes a part of its plan.
     fn plan_ahead(&mut self) {
         let ahead = self.motions.next_mut();
-        if ahead.plan.advance(&mut self.planning.sketch) {
+        if ahead.plan.advance(&mut self.planning.speed_draft) {
             ahead.state = Preparation::Ready;
         }
     }
@@ -292,10 +292,10 @@ impl Path {
         // A plan in progress of the motion after it is dropped: that motion will be entered
         // otherwise.
         let means = self.means(*along, after);
-        self.planning.sketch.begin(self.speed, left, means);
+        self.planning.speed_draft.begin(self.speed, left, means);
         // The phases after its first one are made in the tick that comes next, if that one lasts so
         // long.
-        self.planning.unfinished = !self.motions.now_mut().plan.begin(&mut self.planning.sketch);
+        self.planning.unfinished = !self.motions.now_mut().plan.begin(&mut self.planning.speed_draft);
         self.pieces.follows = None;
         self.follow((after == After::Nothing).then_some(end_of(feed, self.fifo)));
     }
@@ -303,7 +303,7 @@ impl Path {
     /// Makes the remainder of the plan of the motion in force.
     #[inline(never)]
     pub(super) fn finish(&mut self) {
-        while !self.motions.now_mut().plan.advance(&mut self.planning.sketch) {}
+        while !self.motions.now_mut().plan.advance(&mut self.planning.speed_draft) {}
         self.planning.unfinished = false;
     }
 

@@ -96,7 +96,7 @@ impl FastPiece {
 
     /// How far τ is at `t` from its value at the begin, 2⁻⁶³.
     #[inline(always)]
-    pub(super) fn gone(&self, t: u32) -> u64 {
+    pub(super) fn tau_from_begin(&self, t: u32) -> u64 {
         let [r0, r1, r2] = self.rate;
         let p1 = product(t, r1).wrapping_add(product(t, r0) >> 32);
         let p2 = t.wrapping_mul(r2).wrapping_add((p1 >> 32) as u32);

@@ -97,7 +97,7 @@ impl<const AXES: usize> Tick<AXES> {
             clearance: _,
             path,
             likely,
-            looks: _,
+            scans: _,
             ending,
             standstill_since: _,
             obstacle,
@@ -156,7 +156,7 @@ impl<const AXES: usize> Tick<AXES> {
         let Some(state) = crds.states.get_mut(crd.index()) else { return };
         if here != state.path.here() {
             state.path.rename(here);
-            (state.looks, crds.unprepared.0) = (PREPARE_AFTER_SCANS, crds.unprepared.0 | crd.mask().0);
+            (state.scans, crds.unprepared.0) = (PREPARE_AFTER_SCANS, crds.unprepared.0 | crd.mask().0);
         }
         if here != state.published.position {
             state.published.position = here;
@@ -212,7 +212,7 @@ impl<const AXES: usize> Tick<AXES> {
                 continue;
             };
             let feed = state.feed();
-            self.lasers.crd_starts(PathRun { crd, fifo }, next, state.path.goes_on(fifo));
+            self.lasers.crd_starts(PathRun { crd, fifo }, next, state.path.continues(fifo));
             state.path.start(next, fifo, feed, source);
             state.clearance = [Clearance::Unknown; 2];
             state.encoders.begin(next);

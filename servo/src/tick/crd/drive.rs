@@ -18,7 +18,7 @@ use crate::view::{CrdView, DrivenBy, Event, StopReason};
 impl CrdState {
     /// Whether one of its axes has slaves.
     #[inline(always)]
-    fn leads(&self, masters: AxisMask) -> bool {
+    fn has_slaves(&self, masters: AxisMask) -> bool {
         self.published.frame.is_some_and(|frame| masters.0 & frame.mask().0 != 0)
     }
 
@@ -155,7 +155,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.crds.moves = self.crds.moves.wrapping_add(1);
         for crd in running.crds() {
             let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
-            let led = masters.0 != 0 && state.leads(masters);
+            let led = masters.0 != 0 && state.has_slaves(masters);
             let result = if led { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
             let used = state.encoders.used;
             // A tick that enters a motion prepares nothing.
@@ -404,7 +404,7 @@ impl<const AXES: usize> Tick<AXES> {
         let Some(state) = crds.get_mut(crd) else { return };
         // An interrupted FIFO is probably continued: after FIFO 1, the FIFO 0 that it interrupted.
         let (fifo, other) = (state.published.fifo, state.published.fifo ^ 1);
-        state.likely = if !state.path.goes_on(fifo) && state.path.goes_on(other) { other } else { fifo };
+        state.likely = if !state.path.continues(fifo) && state.path.continues(other) { other } else { fifo };
         let reason = match state.published.path_stop {
             PathStop::Never => StopReason::None,
             PathStop::Completed => StopReason::Completed,

@@ -168,7 +168,7 @@ impl Effects for PathEffects<'_> {
     fn gear(&mut self, axis: Axis, by: Pos, ratio: Scaled) {
         let drive = DrivenBy::Gear { crd: self.crd, ratio };
         if let Some(state) = self.engage(axis, drive) {
-            state.go_along(drive, by);
+            state.engage_gear(drive, by);
         }
     }
 
@@ -180,14 +180,14 @@ impl Effects for PathEffects<'_> {
             if stood {
                 state.show_base();
             }
-            state.gone_along(pulses);
+            state.end_geared_motion(pulses);
             if ended {
                 state.show_base();
             }
         }
     }
 
-    fn goes_along(&mut self, axis: Axis, can: bool) -> bool {
+    fn accepts_gear(&mut self, axis: Axis, can: bool) -> bool {
         let geared = self.geared.has(axis);
         let goes = can && self.axes.get(axis.index()).is_some_and(|state| geared || !state.is_no_gear());
         if !goes {

@@ -52,7 +52,7 @@ state! {
         /// At standstill: the FIFO that will probably be started, and the scans before its start is
         /// prepared.
         likely: u8 = 0,
-        looks: u8 = 0,
+        scans: u8 = 0,
         /// The stop reason, if it is stopped.
         ending: StopReason = StopReason::None,
         /// The tick since which it has been at standstill.
@@ -111,7 +111,7 @@ impl Crds {
         self.moves = self.moves.wrapping_add(1);
         self.unprepared.0 |= crd.mask().0;
         let state = self.states.get_mut(crd.index())?;
-        state.looks = PREPARE_AFTER_SCANS;
+        state.scans = PREPARE_AFTER_SCANS;
         Some(state)
     }
 
@@ -126,8 +126,8 @@ impl Crds {
         let own = crd.mask().0;
         self.turn = own | own.wrapping_sub(1);
         let more = match (self.states.get_mut(crd.index()), paths.get(crd.index())) {
-            (Some(state), _) if state.looks > 0 => {
-                state.looks = state.looks.wrapping_sub(1);
+            (Some(state), _) if state.scans > 0 => {
+                state.scans = state.scans.wrapping_sub(1);
                 true
             }
             (Some(state), Some(source)) => {
