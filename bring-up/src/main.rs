@@ -16,6 +16,7 @@ mod analog;
 mod before;
 mod bench;
 mod capture;
+mod checksum;
 mod chip;
 mod clock_loss;
 mod core_facts;
@@ -89,9 +90,12 @@ fn await_order(rx: &mut Rx) -> Order {
 
 /// The first lines of each report.
 fn begin(tx: Tx) -> Report {
+    // It takes a while, and lines shall follow each other.
+    let build = checksum::of_image();
     let mut report = Report::to(tx);
     report.line("format", &[FORMAT]);
     report.line("version", &VERSION);
+    report.line("build", &[build.into()]);
     report.name("board", board::NAME);
     report
 }
@@ -132,7 +136,7 @@ fn main() -> ! {
     report.line("step-width", &[settings::STEP_WIDTH_NS.into()]);
     spi3::report_to(&mut report);
     if !package::is_other() {
-        measure(&mut report, board.machine, board.timer);
+        measure(&mut report, board.machine, board.timer, &mut rx);
     }
     stack::report_to(&mut report);
     report.end();
@@ -141,7 +145,7 @@ fn main() -> ! {
 }
 
 /// What edges and voltages at the ends of jumpers tell.
-fn measure(report: &mut Report, machine: Machine, timer: TickTimer) {
+fn measure(report: &mut Report, machine: Machine, timer: TickTimer, rx: &mut Rx) {
     let has_driver = wires::report_to(report);
     for open in [true, false] {
         wires::open_interlock(open);
@@ -159,7 +163,7 @@ fn measure(report: &mut Report, machine: Machine, timer: TickTimer) {
         light::first_edges(&mut bench, report, ["first-0", "first-1", "first-switch", "first-steps"]);
         light::load(&mut bench, report);
         light::steps(&mut bench, report);
-        shortest::measure(&mut bench, report);
+        shortest::measure(&mut bench, report, rx);
         light::starve(&mut bench, report);
         light::broken_burst(&mut bench, report, ["again-0", "again-1", "again-switch", "again-steps"]);
         light::breaks(&mut bench, report);

@@ -1,6 +1,7 @@
 //! The shortest cycles that the firmware makes, one after the other, with all streams busy.
 //!
-//! In: a bench whose lasers' timers run, jumpers 1 to 4. Out: lines of counts. Owns the rings of
+//! In: a bench whose lasers' timers run, jumpers 1 to 4; bytes of the host, which sends 4096 at the
+//! line `listens`, so that the link's stream is busy too. Out: lines of counts. Owns the rings of
 //! the lasers' timers and of the steps meanwhile, and writes them itself: no tick is served. Cycles
 //! of the energies last 84 or 90 counts, those of the switches 120 or 126 (`MIN_COUNTS` of
 //! servo/src/output/pwm_cycles.rs and gate_cycles.rs, and six more), and each pulse is of another
@@ -8,15 +9,17 @@
 //! cycle. Each ring holds a whole number of [`PATTERN`]s, so it goes round without a seam. The
 //! timers are started here too: the firmware's own rings have shortest cycles, with which a burst
 //! that is too slow would end light before anything is captured. Fails never.
+use crate::A_BYTE;
 use crate::bench::Bench;
 use crate::capture::{self, EDGES, Edge};
 use crate::chip::TIM15;
 use crate::light;
+use crate::pause;
 use crate::report::Report;
 use crate::wires::{self, ENERGY_0, ENERGY_1, End, STEP_1, SWITCH_0};
 use core::sync::atomic::{AtomicU16, AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::DWT;
-use hal::board::{laser, watchdog};
+use hal::board::{laser, uart::Rx, watchdog};
 use servo::output::step_generator::RING_SLOTS as STEP_SLOTS;
 use servo::output::{GATE_MIN_COUNTS, PWM_MIN_COUNTS};
 use stm32_metapac::dma::St;
@@ -213,8 +216,30 @@ fn capture_all() {
     }
 }
 
+/// The host has this long to send bytes, in cycles: 0.2 s.
+const PATIENCE: u32 = 96_000_000;
+
+/// Asks the host for bytes; whether some have come.
+fn await_bytes(report: &mut Report, rx: &mut Rx) -> bool {
+    while rx.receive().is_some() {}
+    report.line("listens", &[]);
+    report.flush();
+    (0..PATIENCE / A_BYTE).any(|_| {
+        pause::cycles(A_BYTE);
+        rx.receive().is_some()
+    })
+}
+
+/// Whether bytes still come: some in 0.1 ms.
+fn still_come(rx: &mut Rx) -> bool {
+    while rx.receive().is_some() {}
+    cortex_m::asm::delay(TICKS);
+    rx.receive().is_some()
+}
+
 /// See the module text.
-pub fn measure(bench: &mut Bench, report: &mut Report) {
+pub fn measure(bench: &mut Bench, report: &mut Report, rx: &mut Rx) {
+    let began = await_bytes(report, rx);
     let rings = rings();
     // The streams get their settings, and steps run.
     light::settle(bench);
@@ -232,6 +257,7 @@ pub fn measure(bench: &mut Bench, report: &mut Report) {
     cortex_m::asm::dsb();
     rings.iter().for_each(Ring::start);
     capture_all();
+    let is_filled = began && still_come(rx);
     rings.iter().for_each(|ring| ring.fill(Some(SLOW)));
     cortex_m::asm::dsb();
     // What was read before.
@@ -243,6 +269,7 @@ pub fn measure(bench: &mut Bench, report: &mut Report) {
     bench.miss(12);
     light::settle(bench);
     light::dark(bench);
+    report.line("short-link", &[is_filled.into()]);
     report.line("short-least", &[PWM_MIN_COUNTS.into(), GATE_MIN_COUNTS.into()]);
     report_to(report);
 }

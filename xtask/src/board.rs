@@ -107,7 +107,8 @@ fn check_link(link: &str) -> Outcome {
     Err(format!(
         "{link} is no link to a board. It is\n  cargo bring-up                                       builds and flashes the image\n  \
          cargo bring-up serial:/dev/ttyACM0:3000000           measures over the ST-LINK's port, and writes out/bring-up.md\n  \
-         cargo bring-up serial:/dev/ttyACM0:3000000 loads     measures ticks of the board's own image\nSee docs/bring-up.md"
+         cargo bring-up serial:/dev/ttyACM0:3000000 loads     measures ticks of the board's own image\n\
+         The port with its rate is serial:/dev/cu.usbmodemNNN:3000000 on macOS, serial:COM5:3000000 on Windows. See docs/bring-up.md"
     ))
 }
 
@@ -446,6 +447,17 @@ mod tests {
         assert!(
             matches("*5steps*4fill*", name) && !matches("*5steps*4file*", name) && !matches("*4fill*5steps*", name)
         );
+    }
+
+    #[test]
+    fn a_link_that_is_none_ends_before_anything_is_built_or_flashed() {
+        for link in ["/dev/ttyACM0:3000000", "COM5", "virtual", "loads"] {
+            for outcome in [bring_up(Some(link)), loads(link)] {
+                let why = outcome.unwrap_err();
+                assert!(why.starts_with(&format!("{link} is no link to a board. It is\n  cargo bring-up")), "{why}");
+            }
+        }
+        assert_eq!(["serial:COM5:3000000", "tcp:127.0.0.1:5000"].map(check_link), [Ok(()), Ok(())]);
     }
 
     /// The example of Intel's specification, and the check value that CRC-32 is published with.

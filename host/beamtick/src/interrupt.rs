@@ -5,6 +5,7 @@
 //! one thread. Fails: if the runner does not finish in time, the thread ends the program. The
 //! controller then shuts off its lasers, since the link is lost.
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// The runner has this long to stop a job; the whole stays below a second (SPEC 10).
@@ -12,6 +13,9 @@ const GRACE: Duration = Duration::from_millis(850);
 
 /// What is said last may take so long to be read.
 pub const LAST_WORDS: Duration = Duration::from_millis(50);
+
+/// What is said where a signal ends the program at once; nothing while it is empty.
+static LAST: Mutex<&str> = Mutex::new("");
 
 static CAME: AtomicU8 = AtomicU8::new(0);
 static HELD: AtomicBool = AtomicBool::new(false);
@@ -45,6 +49,11 @@ pub fn came() -> Option<Signal> {
     }
 }
 
+/// From now on a signal that ends the program at once says this first.
+pub fn say_last(text: &'static str) {
+    *LAST.lock().unwrap_or_else(PoisonError::into_inner) = text;
+}
+
 /// While it lives a signal does not end the program but is left to whoever asks [`came`].
 pub struct Held(());
 
@@ -74,6 +83,11 @@ fn arrived(number: u8) {
                  and stops Jog axes and coordinate systems, by itself.",
                 signal.name()
             );
+        }
+    } else {
+        let last = *LAST.lock().unwrap_or_else(PoisonError::into_inner);
+        if !last.is_empty() {
+            complain!("{last}");
         }
     }
     if let Some(object) = crate::json::end(signal.exit_code(), Some(("signal", signal.name()))) {

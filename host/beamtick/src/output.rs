@@ -51,7 +51,7 @@ fn partial(name: &Path) -> PathBuf {
 }
 
 /// The name of an earlier run's file while this one is written.
-pub fn old(name: &Path) -> PathBuf {
+fn old(name: &Path) -> PathBuf {
     longer(name, ".old")
 }
 

@@ -7,7 +7,7 @@ use assert_cmd::cargo::cargo_bin;
 use served::Served;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::net::{TcpListener, TcpStream};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -83,6 +83,29 @@ fn write(folder: &Path, name: &str, text: &str) -> String {
     let path = folder.join(name).to_str().unwrap().to_owned();
     fs::write(&path, text).unwrap();
     path
+}
+
+/// A measurement that a signal ends says what happened and what to do, wherever it is, and leaves
+/// the page.
+#[test]
+fn a_bring_up_that_a_signal_ends_says_so() {
+    const PAGE: &str = "# Bring-up\n\nBoard a, bring-up image b, chip c, by `beamtick bring-up` 0.1.0 on 2026-01-01.\n";
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let link = format!("tcp:{}", listener.local_addr().unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let page = write(folder.path(), "page.md", PAGE);
+    for more in [&[][..], &["--hands", "halt"], &["--loads"], &["--answers", "module"]] {
+        let child = spawn(&[&["bring-up", "--link", &link, "--page", &page], more].concat());
+        let (mut board, _) = listener.accept().unwrap();
+        // It has begun by then.
+        board.read_exact(&mut [0]).unwrap();
+        let (said, code) = signalled(child, "INT");
+        let first =
+            "bring-up was cut short: the page is as it was. Press B2 at the board, then give the command again\n";
+        assert!(said.starts_with(first) && code == 130, "{more:?}: {code}: {said}");
+        assert_eq!(fs::read_to_string(&page).unwrap(), PAGE);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
 }
 
 /// The gate of channel 0 in each row of a CSV.

@@ -19,6 +19,11 @@ pub const NO_ANSWER: i16 = -7;
 /// Client and firmware do not match.
 pub const MISMATCH: i16 = 3;
 
+/// Whether the link or the session is over.
+pub fn is_dead(error: &Error) -> bool {
+    (LINK_PROTOCOL..=LINK_SEND).contains(&error.code)
+}
+
 /// Why a call failed. `code` is the return value of SPEC 3, the `Display` text is the reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{reason}")]

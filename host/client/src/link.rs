@@ -61,3 +61,8 @@ pub fn open(name: &str) -> Result<Box<dyn Link>> {
         _ => Err(Error::cannot_open(name, "a link is tcp:HOST:PORT, serial:PATH[:BAUD] or qemu:IMAGE")),
     }
 }
+
+/// Whether a link is a serial port that this computer does not have.
+pub fn is_missing(name: &str) -> bool {
+    name.strip_prefix("serial:").is_some_and(serial::is_missing)
+}

@@ -53,16 +53,27 @@ const SHOWN: usize = 8;
 /// How long a port may take to accept what is sent: a full window at 9600 baud.
 const SEND: Duration = Duration::from_secs(10);
 
+/// Path and rate of `PATH[:BAUD]`. A Windows or Linux path may hold a colon itself: only a number
+/// after the last one is a rate.
+fn parts(port: &str) -> (&str, u32) {
+    match port.rsplit_once(':').map(|(path, baud)| (path, baud.parse::<u32>())) {
+        Some((path, Ok(baud))) => (path, baud),
+        _ => (port, DEFAULT_BAUD),
+    }
+}
+
+/// Whether this computer has no such port: neither a file nor a name of a port.
+pub(crate) fn is_missing(port: &str) -> bool {
+    let (path, _) = parts(port);
+    let is_listed = || serialport::available_ports().is_ok_and(|all| all.iter().any(|found| found.port_name == path));
+    !std::path::Path::new(path).exists() && !is_listed()
+}
+
 impl SerialLink {
     /// Opens `PATH[:BAUD]`, 8 data bits, no parity.
     pub fn open(port: &str) -> Result<Self> {
         let name = format!("serial:{port}");
-        // A Windows or Linux path may hold a colon itself: only a number after the last one is a
-        // rate.
-        let (path, baud) = match port.rsplit_once(':').map(|(path, baud)| (path, baud.parse::<u32>())) {
-            Some((path, Ok(baud))) => (path, baud),
-            _ => (port, DEFAULT_BAUD),
-        };
+        let (path, baud) = parts(port);
         let port =
             serialport::new(path, baud).timeout(Duration::from_millis(1)).open().map_err(|e| match is_in_use(&e) {
                 true => Error::cannot_open(&name, "another program, or another card of this one, uses it"),
@@ -133,6 +144,7 @@ mod tests {
         let first = SerialLink::open(&name).unwrap();
         let error = SerialLink::open(&name).map(|_| ()).unwrap_err();
         assert_eq!((error.code, error.reason.contains("uses it")), (error::CANNOT_OPEN, true), "{error}");
+        assert!(!is_missing(&name) && !is_missing(&format!("{name}:9600")));
         drop(first);
         SerialLink::open(&name).unwrap();
     }
@@ -140,7 +152,7 @@ mod tests {
     #[test]
     fn a_port_that_is_not_there_says_which_are() {
         let error = SerialLink::open("/dev/no-such-port").map(|_| ()).unwrap_err();
-        assert_eq!(error.code, error::CANNOT_OPEN);
+        assert_eq!((error.code, is_missing("/dev/no-such-port:3000000")), (error::CANNOT_OPEN, true));
         let helps = ["; ports of this computer: ", "; this computer has no serial port now"];
         assert!(helps.iter().any(|text| error.reason.contains(text)), "{error}");
     }

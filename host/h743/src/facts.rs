@@ -77,7 +77,7 @@ pub enum Wrong {
     NoCaches,
     /// The UART is 3 % slow.
     SlowLink,
-    /// HSI48 is 1 % slow.
+    /// HSI48 is 6 % slow.
     SlowHsi48,
     /// A reset clears the memory that start-up leaves as it is.
     Forgets,
@@ -220,7 +220,7 @@ impl Machine {
             Wrong::SpoiltPackets => bus.usb.core.spoils_packets = true,
             Wrong::Forgets => self.chip.forgets = true,
             Wrong::FiveVolts => bus.gpio.drive(Pin(0, 9), Some(true)),
-            Wrong::SlowHsi48 => bus.rcc.hsi48_slow_percent = 1,
+            Wrong::SlowHsi48 => bus.rcc.hsi48_slow_percent = 6,
         }
         self.identify();
     }

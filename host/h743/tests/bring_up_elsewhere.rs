@@ -48,13 +48,26 @@ fn plugged(board: &Shared) {
 struct Script<F> {
     board: Shared,
     does: F,
+    /// Whether the cable is out where a prompt wants that, and whether it is now.
+    unplugs: bool,
+    is_out: bool,
+}
+
+impl<F> Script<F> {
+    fn new(board: &Shared, does: F) -> Script<F> {
+        Script { board: board.clone(), does, unplugs: true, is_out: false }
+    }
 }
 
 impl<F: FnMut(&mut Machine, &str) -> String> Hands for Script<F> {
     fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
+        if self.is_out {
+            return Err(Failure::Job("cannot open it".to_owned()));
+        }
         Ok(Box::new(EmulatedLink::new(self.board.clone())))
     }
     fn ask(&mut self, what: &str) -> Result<String, Failure> {
+        self.is_out = self.unplugs && what.contains("Unplug CN1 now");
         Ok((self.does)(&mut lock(&self.board), what))
     }
     fn now_ms(&mut self) -> i64 {
@@ -84,12 +97,13 @@ fn row_of(what: &str, run: impl FnOnce(&str) -> Result<(), Failure>) -> (String,
     }
     // The row outlasts other runs: it has its day, and its image where that has answered.
     let (figure, when) = cells[3].rsplit_once(" (").unwrap();
-    assert!(when.strip_prefix("image 0.1.0, ").unwrap_or(when).starts_with("20"), "{line}");
+    let day = when.strip_prefix("image 0.1.0-").and_then(|rest| Some(rest.split_once(", ")?.1));
+    assert!(day.unwrap_or(when).starts_with("20"), "{line}");
     (cells[2].to_owned(), figure.to_owned())
 }
 
 fn by_hand(board: &Shared, what: &str, row: &str, does: impl FnMut(&mut Machine, &str) -> String) -> (String, String) {
-    let mut hands = Script { board: board.clone(), does };
+    let mut hands = Script::new(board, does);
     row_of(row, |page| bring_up_by_hand(&mut hands, &["--hands", what, "--page", page]))
 }
 
@@ -124,7 +138,10 @@ fn a_cable_that_is_unplugged_is_judged_by_the_boards_clock_and_fault() {
         let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, None) else { return };
         lock(&board).run(200 * MILLISECOND);
         let (is, figure) = by_hand(&board, "unplug", ROW, |machine, prompt| {
-            assert!(prompt.contains("Unplug CN1 now"), "{prompt}");
+            if prompt.contains("Unplug CN1 now") {
+                return String::new();
+            }
+            assert!(prompt.contains("plug CN1 in again"), "{prompt}");
             machine.give_clock(!stops);
             for _ in 0..seconds {
                 machine.run(1000 * MILLISECOND);
@@ -135,6 +152,16 @@ fn a_cable_that_is_unplugged_is_judged_by_the_boards_clock_and_fault() {
         });
         assert_eq!(is, result, "{figure}");
     }
+    // The cable was in all the time.
+    let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, None) else { return };
+    let mut hands = Script::new(&board, |machine: &mut Machine, _: &str| {
+        machine.run(11_000 * MILLISECOND);
+        String::new()
+    });
+    hands.unplugs = false;
+    let row = row_of(ROW, |page| bring_up_by_hand(&mut hands, &["--hands", "unplug", "--page", page]));
+    let why = "`bring-up --hands unplug` opened its port all the same: the cable was not out";
+    assert_eq!(row, ("not measured".to_owned(), why.to_owned()));
 }
 
 #[test]
@@ -183,15 +210,16 @@ fn a_row_that_a_hand_has_settled_outlasts_the_next_run_on_the_same_chip() {
         machine.run(20 * MILLISECOND);
         String::new()
     };
-    let mut hands = Script { board: board.clone(), does };
+    let mut hands = Script::new(&board, does);
     bring_up_by_hand(&mut hands, &["--hands", "clock", "--page", words[1]]).unwrap();
     let settled = row();
     assert!(settled.contains(" | pass | "), "{settled}");
-    // A run that is cut short leaves the page under its other name; the next one finds it there.
-    std::fs::rename(&path, folder.path().join("page.md.old")).unwrap();
     assert_eq!(measured(), settled);
+    // Another chip's page is not replaced.
     assert!(lock(&board).chip.memory.load(UNIQUE, &7u32.to_le_bytes()));
-    assert!(measured().contains(" | not measured | "));
+    let Err(Failure::Input(text)) = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &words) else { panic!() };
+    assert!(text.contains(" is of another board: nucleo-h743zi2, chip ") && text.contains("--page "), "{text}");
+    assert_eq!(row(), settled);
 }
 
 /// A part for 20 MHz takes no frame of 32 MHz.
@@ -227,7 +255,7 @@ fn an_answer_that_is_no_voltage_leaves_the_outputs_at_0() {
         let high = shown_up_to(&machine.chip, pin("PC11"), 50).iter().any(|(.., code)| *code > MID_SCALE);
         if high { "much".to_owned() } else { "0 V".to_owned() }
     };
-    let mut hands = Script { board: board.clone(), does };
+    let mut hands = Script::new(&board, does);
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("page.md");
     let failed = bring_up_by_hand(&mut hands, &["--hands", "dac", "--page", page.to_str().unwrap()]).unwrap_err();
@@ -270,6 +298,16 @@ fn a_board_that_answers_settles_its_rows_and_a_silent_one_fails_them() {
     let Some(board) = started("BEAMTICK_H743VI_IMAGE", MODULE, Some(Wrong::NoSession)) else { return };
     plugged(&board);
     assert_eq!(answers(&board, "module", true, CRYSTAL).0, "not measured");
+    // The bring-up image answers no call: the message names the image that is wanted, and the other
+    // way round.
+    let Some(board) = started("BEAMTICK_H743_BRING_UP", NUCLEO, None) else { return };
+    let outcome = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &["--loads"]);
+    let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
+    assert!(text.contains("This wants the board's own image") && text.contains("`cargo flash-board`"), "{text}");
+    let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, None) else { return };
+    let outcome = bring_up_over(Box::new(EmulatedLink::new(board.clone())), &[]);
+    let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
+    assert!(text.contains("Flash the bring-up image: `cargo bring-up`"), "{text}");
     // The ST-LINK's port is not CN13's, and a Nucleo is no module.
     let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, None) else { return };
     for (name, why) in [("nucleo", "is not CN13's"), ("module", "this board is nucleo-h743zi2")] {

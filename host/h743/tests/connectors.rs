@@ -347,7 +347,7 @@ fn contacts_lie_at_the_connectors_that_the_pages_name() {
             }
         }
     }
-    assert_eq!(named, 19, "contacts of jumpers");
+    assert_eq!(named, 29, "contacts of jumpers");
 }
 
 fn is_contact_or_empty(word: &str) -> bool {

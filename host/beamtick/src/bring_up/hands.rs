@@ -5,9 +5,9 @@
 //! failed.
 use super::lines::Figures;
 use super::options::ByHand;
-use super::{measure, page};
+use super::{measure, own_image, page};
 use crate::Failure;
-use client::{Client, Link, Options};
+use client::Link;
 use protocol::command::{GetClock, GetFault, SetDac, Short};
 use std::io::BufRead;
 use std::path::Path;
@@ -59,17 +59,12 @@ impl Hands for Terminal<'_> {
 /// See the module text.
 pub fn with(hands: &mut dyn Hands, what: ByHand, page: Option<&Path>) -> Result<(), Failure> {
     page::settle(page, || match what {
-        ByHand::Halt => through(
+        ByHand::Halt => halt(
             hands,
-            "halt",
             "Halt the core with a debugger for two seconds and let it go on: `probe-rs debug --chip STM32H743ZITx`, `halt`, \
              wait, `run`, `quit`. Then press Enter.",
         ),
-        ByHand::Unplug => through(
-            hands,
-            "unplug",
-            "Supply the board by VIN (JP2). Unplug CN1 now, wait for a minute, plug it in again. Then press Enter.",
-        ),
+        ByHand::Unplug => unplug(hands),
         ByHand::Clock => clock(hands),
         ByHand::Dac => dac(hands),
     })
@@ -77,7 +72,7 @@ pub fn with(hands: &mut dyn Hands, what: ByHand, page: Option<&Path>) -> Result<
 
 /// The board's time in ms, and the kind of its fault. The figures get its image.
 fn state(hands: &mut dyn Hands, figures: &mut Figures) -> Result<(i64, i64), Failure> {
-    let client = Client::open(hands.link()?, Options::default())?;
+    let client = own_image(hands.link()?)?;
     if !client.board().contains("h743") {
         return Err(Failure::Job(format!("board {} is none with an STM32H743", client.board())));
     }
@@ -87,12 +82,37 @@ fn state(hands: &mut dyn Hands, figures: &mut Figures) -> Result<(i64, i64), Fai
     Ok((clock.into(), fault.kind.into()))
 }
 
+/// Time, the board's of it, its fault.
+fn halt(hands: &mut dyn Hands, what: &str) -> Result<Figures, Failure> {
+    let (mut figures, line) = through(hands, |hands| hands.ask(what).map(drop))?;
+    figures.add("halt", line.to_vec());
+    Ok(figures)
+}
+
+/// The same, and whether the cable was out: its port cannot be opened then.
+fn unplug(hands: &mut dyn Hands) -> Result<Figures, Failure> {
+    let mut was_out = false;
+    let (mut figures, line) = through(hands, |hands| {
+        hands.ask("Supply the board by VIN (JP2). Unplug CN1 now. Then press Enter.")?;
+        was_out = hands.link().is_err();
+        if was_out {
+            hands.ask("Wait for a minute, and plug CN1 in again. Once its port is there, press Enter.")?;
+        }
+        Ok(())
+    })?;
+    figures.add("unplug", line.into_iter().chain([was_out.into()]).collect());
+    Ok(figures)
+}
+
 /// How much of the time in which a hand does something passes on the board: a negative number where
 /// it was reset.
-fn through(hands: &mut dyn Hands, name: &str, what: &str) -> Result<Figures, Failure> {
+fn through(
+    hands: &mut dyn Hands,
+    does: impl FnOnce(&mut dyn Hands) -> Result<(), Failure>,
+) -> Result<(Figures, [i64; 3]), Failure> {
     let (before, old_fault) = state(hands, &mut Figures::default())?;
     let began = hands.now_ms();
-    hands.ask(what)?;
+    does(hands)?;
     let mut figures = Figures::default();
     let (after, fault) = state(hands, &mut figures)?;
     let passed = hands.now_ms() - began;
@@ -105,8 +125,7 @@ fn through(hands: &mut dyn Hands, name: &str, what: &str) -> Result<Figures, Fai
     }
     // Only a reset brings a fault to the page: this one is from before.
     let fault = if after > passed && fault == old_fault { 0 } else { fault };
-    figures.add(name, vec![passed, after - before, fault]);
-    Ok(figures)
+    Ok((figures, [passed, after - before, fault]))
 }
 
 /// The bring-up image lights both lasers until the clock stops, and says what its NMI found.
@@ -124,7 +143,7 @@ fn clock(hands: &mut dyn Hands) -> Result<Figures, Failure> {
 
 /// Voltages of both outputs, by a meter.
 fn dac(hands: &mut dyn Hands) -> Result<Figures, Failure> {
-    let client = Client::open(hands.link()?, Options::default())?;
+    let client = own_image(hands.link()?)?;
     if !client.board().contains("dac8563") {
         return Err(Failure::Job(format!("board {} has no external DAC", client.board())));
     }
@@ -154,4 +173,41 @@ fn dac(hands: &mut dyn Hands) -> Result<Figures, Failure> {
     outcome?;
     rests?;
     Ok(figures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use virtual_board::{Board, Config, Shared, VirtualLink, share};
+
+    /// A hand at a virtual controller.
+    struct Elsewhere(Shared, usize);
+
+    impl Hands for Elsewhere {
+        fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
+            Ok(Box::new(VirtualLink::new(self.0.clone())))
+        }
+        fn ask(&mut self, _: &str) -> Result<String, Failure> {
+            self.1 += 1;
+            Ok(String::new())
+        }
+        fn now_ms(&mut self) -> i64 {
+            0
+        }
+    }
+
+    /// Nobody is asked to do anything at another board.
+    #[test]
+    fn a_hand_at_another_board_is_refused() {
+        let mut hands = Elsewhere(share(Board::new(Config::default())), 0);
+        for (what, why) in [
+            (ByHand::Halt, "is none with an STM32H743"),
+            (ByHand::Unplug, "is none with an STM32H743"),
+            (ByHand::Dac, "has no external DAC"),
+        ] {
+            let Err(Failure::Job(text)) = with(&mut hands, what, None) else { panic!("{what:?}") };
+            assert!(text.starts_with("board ") && text.ends_with(why), "{text}");
+        }
+        assert_eq!(hands.1, 0);
+    }
 }

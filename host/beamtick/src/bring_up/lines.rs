@@ -2,8 +2,8 @@
 //! star.
 //!
 //! In: bytes. Out: [`Figures`]. Lines that begin with `#` are for people; the last ones are kept
-//! for the reason of an early end. What comes before the line `format` is not read. Fails: a
-//! damaged line, an unknown format, a count of lines that is not the one sent.
+//! for the reason of an early end. What comes before the line `format` is not read, but counted.
+//! Fails: a damaged line, an unknown format, a count of lines that is not the one sent.
 use crate::Failure;
 use std::collections::BTreeMap;
 
@@ -49,10 +49,11 @@ impl Figures {
         all.filter(|lines: &Vec<[i64; N]>| !lines.is_empty())
     }
 
-    /// The version of the image that answers this client.
+    /// The version of the image that answers this client, and the hash of its protocol.
     pub fn add_image_of(&mut self, client: &client::Client) {
         let version = client.version();
-        self.add("image", [version.major, version.minor, version.patch].map(|part| part.get().into()).to_vec());
+        let parts = [version.major, version.minor, version.patch].map(|part| i64::from(part.get()));
+        self.add("image", parts.into_iter().chain([version.schema.get().into()]).collect());
     }
 
     /// One more line.
@@ -69,6 +70,9 @@ pub struct Reader {
     begun: bool,
     figures: Figures,
     remark: String,
+    /// Bytes before the first line of the run, and the first of them.
+    foreign: usize,
+    first: String,
 }
 
 impl Reader {
@@ -77,9 +81,24 @@ impl Reader {
         self.begun
     }
 
+    /// A line of this name has come.
+    pub fn has_line(&self, name: &str) -> bool {
+        !self.figures.all(name).is_empty()
+    }
+
     /// What was read.
     pub fn figures(self) -> Figures {
         self.figures
+    }
+
+    /// What came before the first line of the run, if anything did: how much, and how it begins.
+    pub fn foreign(&self) -> Option<(usize, String)> {
+        (self.foreign > 0).then(|| (self.foreign, quoted(&self.first, QUOTED_CHARS)))
+    }
+
+    /// Lines of the run so far.
+    pub fn lines(&self) -> i64 {
+        self.lines
     }
 
     /// Why a run that began has no end.
@@ -95,9 +114,17 @@ impl Reader {
     /// More bytes; true at the end of the run.
     pub fn feed(&mut self, bytes: &[u8]) -> Result<bool, Failure> {
         for &byte in bytes {
+            if !self.begun {
+                if self.foreign <= QUOTED_CHARS {
+                    self.first.push(byte.into());
+                }
+                self.foreign += 1;
+            }
             if byte != b'\n' {
                 self.line.push(byte);
-                if self.line.len() > LINE_MAX_BYTES {
+                if self.line.len() > LINE_MAX_BYTES && !self.begun {
+                    self.line.clear();
+                } else if self.line.len() > LINE_MAX_BYTES {
                     return Err(Failure::Job(format!("a line of more than {LINE_MAX_BYTES} bytes")));
                 }
                 continue;
@@ -220,6 +247,7 @@ mod tests {
         // What a terminal would obey is no line, and is not printed.
         let wild = begin_again + "\u{1b}[2Jé" + &"x".repeat(5000) + "\n";
         assert_eq!(feed(wild), format!("line 2: no checksum: \\u{{1b}}[2Jé{}…", "x".repeat(75)));
-        assert_eq!(feed("z".repeat(LINE_MAX_BYTES + 1)), format!("a line of more than {LINE_MAX_BYTES} bytes"));
+        let long = line("format 2") + &"z".repeat(LINE_MAX_BYTES + 1);
+        assert_eq!(feed(long), format!("a line of more than {LINE_MAX_BYTES} bytes"));
     }
 }

@@ -11,12 +11,12 @@
 //! [`GetTickTime`]: protocol::command::GetTickTime
 use super::jumper;
 use super::lines::Figures;
-use super::page::{self, Older};
 use super::standard::{BUSIEST, LOADS, Load, begin};
 use super::ticks::{self, Fit, Known, MUST_FIT_US, Outcome, Ticks, judged};
+use super::{own_image, page};
 use crate::Failure;
 use crate::interrupt::{self, Held};
-use client::{Client, Link, LinkCounters, Options};
+use client::{Client, Link, LinkCounters, error};
 use protocol::command::{Abort, GetClock, Reset, SetTick};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -50,8 +50,8 @@ timers\".\nIf both pass, the core takes more cycles than instructions (assumptio
 pub fn over(mut link: Box<dyn Link>, soak_s: Option<u32>, page: Option<&Path>) -> Result<(), Failure> {
     let mut failed = 0;
     let is_usb = link.is_boards_usb();
-    page::write(page, Older::GoesOn, |before| {
-        let client = Client::open(link, Options::default())?;
+    page::write(page, |before| {
+        let client = own_image(link)?;
         let Some(Ticks { period_ns, .. }) = ticks::read(&client)? else {
             return Err(Failure::Job(format!("{} {REFUSED}", client.board())));
         };
@@ -62,8 +62,9 @@ pub fn over(mut link: Box<dyn Link>, soak_s: Option<u32>, page: Option<&Path>) -
         drop(held);
         let all = all?;
         let mut figures = Figures::default();
-        if let Some(Soak { seconds, calls, lost }) = all.soak {
-            figures.add("soak", vec![seconds.into(), calls as i64, lost.into(), is_usb.into()]);
+        if let Some(Soak { seconds, calls, lost, ended }) = all.soak {
+            figures.add_image_of(&client);
+            figures.add("soak", vec![seconds.into(), calls as i64, lost.into(), is_usb.into(), ended.into()]);
         }
         let (section, late) = section(&client, &all);
         let (settled, lossy) = page::settled(before, &figures)?;
@@ -81,8 +82,7 @@ pub fn over(mut link: Box<dyn Link>, soak_s: Option<u32>, page: Option<&Path>) -
 
 /// The section, and how many rows failed.
 fn section(client: &Client, all: &Measured) -> (String, usize) {
-    let version = client.version();
-    let image = [version.major, version.minor, version.patch].map(|part| part.get().to_string()).join(".");
+    let image = page::version_of(client);
     let mut text = format!(
         "{HEADING}\n\n{}\n\nThe board's own image, from the timer's event to the end of the handler. On the emulated \
          chip an instruction takes a\ncycle. The histogram has the ticks of each step of time that has any. A load must \
@@ -99,15 +99,27 @@ fn section(client: &Client, all: &Measured) -> (String, usize) {
             let _ = writeln!(text, "| {}, tick of {us} us | 21 | {} | {figure} |", load.name, fit.text());
         }
     }
+    text = format!("{text}\n{}\n", fitting(all));
     if failed > 0 {
         text = text + "\n" + REMEDY + "\n";
     }
     (text, failed)
 }
 
+/// From which tick on all loads fit, in one line.
+fn fitting(all: &Measured) -> String {
+    let fits = |outcomes: &&Vec<Outcome>| outcomes.iter().all(|outcome| judged(outcome).0 == Fit::Pass);
+    let longest = all.ticks.iter().take_while(fits).count();
+    match TICKS_US.get(..longest) {
+        Some([.., least]) => format!("All loads fit from {least} us on."),
+        _ => format!("Not all loads fit at {} us.", TICKS_US[0]),
+    }
+}
+
 /// Fails once a signal has come.
 fn interrupted() -> Result<(), Failure> {
-    interrupt::came().map_or(Ok(()), |signal| Err(Failure::Interrupted(signal, "the measurement was cut short".into())))
+    let said = "the measurement was cut short: nothing of it is on the page. Give the command again";
+    interrupt::came().map_or(Ok(()), |signal| Err(Failure::Interrupted(signal, said.into())))
 }
 
 /// What is asked at each step of a load whether to go on.
@@ -128,6 +140,8 @@ struct Soak {
     calls: u64,
     /// Frames that came damaged, and messages that were sent again.
     lost: u32,
+    /// The error with which the link ended before its time; else 0.
+    ended: i16,
 }
 
 /// All of it, on a bench.
@@ -161,31 +175,46 @@ fn outcome(client: &Client, load: &Load, us: u32, known: &mut Known, check: Chec
     Ok(outcome)
 }
 
-/// Does this; the board is restored however it ends.
-fn then_restored<T>(client: &Client, period_ns: u32, run: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
-    match (run(), restore(client, period_ns)) {
-        (Err(failure), Err(_)) => {
-            complain!("the board did not confirm that it is dark and at rest: take its supply off");
-            Err(failure)
-        }
-        (all, restored) => all.and_then(|all| restored.map(|()| all)),
+/// Does this; the board is restored however it ends. Where the link has ended it is not: what was
+/// measured is kept.
+fn then_restored(
+    client: &Client,
+    period_ns: u32,
+    run: impl FnOnce() -> Result<Measured, Failure>,
+) -> Result<Measured, Failure> {
+    let all = run();
+    let restored = restore(client, period_ns);
+    let has_ended = matches!(&all, Ok(Measured { soak: Some(soak), .. }) if soak.ended != 0);
+    if restored.is_err() && (all.is_err() || has_ended) {
+        complain!("the board did not confirm that it is dark and at rest: take its supply off");
+        return all;
     }
+    all.and_then(|all| restored.map(|()| all))
 }
 
 /// Eight axes and both lasers run, while calls follow each other over the link.
 fn soak(client: &Client, seconds: u32, check: Check<'_>) -> Result<Soak, Failure> {
     begin(client, &BUSIEST, check)?;
-    let (before, mut calls) = (client.counters(), 0);
-    let began = client.call(GetClock {})?.clock_ms.get();
-    while client.call(GetClock {})?.clock_ms.get().wrapping_sub(began) < 1000 * seconds {
+    let before = client.counters();
+    let now_ms = || client.call(GetClock {}).map(|reply| reply.clock_ms.get());
+    let began = now_ms()?;
+    let (mut calls, mut passed_ms, mut ended) = (0, 0, 0);
+    while passed_ms < 1000 * seconds {
         check()?;
-        ticks::read(client)?;
-        calls += 2;
+        match now_ms().and_then(|now| ticks::asked(client).map(|_| now)) {
+            Ok(now) => (passed_ms, calls) = (now.wrapping_sub(began), calls + 2),
+            Err(failed) if failed.code == error::NO_ANSWER || error::is_dead(&failed) => {
+                complain!("{failed}");
+                ended = failed.code;
+                break;
+            }
+            Err(other) => return Err(other.into()),
+        }
     }
-    if let Some(cause) = dark(client, &BUSIEST)? {
+    if let Some(cause) = if ended == 0 { dark(client, &BUSIEST)? } else { None } {
         return Err(Failure::Job(format!("{}: {cause}", BUSIEST.name)));
     }
-    Ok(Soak { seconds, calls, lost: lost(&client.counters()).wrapping_sub(lost(&before)) })
+    Ok(Soak { seconds: passed_ms / 1000, calls, lost: lost(&client.counters()).wrapping_sub(lost(&before)), ended })
 }
 
 /// Frames that came damaged or again.
@@ -275,9 +304,12 @@ fn with_section(page: &str, section: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use client::Options;
     use protocol::command::{AxisStatus, GetLaserOnTime, LaserStatus};
     use protocol::values::status;
     use std::cell::{Cell, RefCell};
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
     use virtual_board::{Board, Config, VirtualLink, share};
 
     fn opened(board: &virtual_board::Shared) -> Client {
@@ -333,7 +365,8 @@ mod tests {
             };
             let outcome = then_restored(&client, 250_000, || {
                 begin(&client, &BUSIEST, &|| Ok(()))?;
-                wait(&client, 1000, &check)
+                wait(&client, 1000, &check)?;
+                Ok(Measured { ticks: Vec::new(), soak: None })
             });
             assert!(matches!(&outcome, Err(Failure::Job(text)) if text == "it ends here"), "{end}: {outcome:?}");
             let (lasers, axes) = seen.into_inner();
@@ -347,6 +380,76 @@ mod tests {
             assert_eq!(statuses(&axes), power_on, "{end}");
         }
         assert!(lit && moving, "no end was within light, or none within motion");
+    }
+
+    /// A link that ends once it is told to.
+    struct Ends(VirtualLink, Arc<AtomicBool>);
+
+    impl Link for Ends {
+        fn name(&self) -> &str {
+            self.0.name()
+        }
+        fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
+            match self.1.load(Ordering::Relaxed) {
+                true => Err(client::Error::new(error::LINK_SEND, "the cable is out")),
+                false => self.0.send(bytes),
+            }
+        }
+        fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+            match self.1.load(Ordering::Relaxed) {
+                true => Err(client::Error::new(error::LINK_RECEIVE, "the cable is out")),
+                false => self.0.receive(buf, wait),
+            }
+        }
+        fn now(&mut self) -> u64 {
+            self.0.now()
+        }
+        fn real_time(&self) -> bool {
+            self.0.real_time()
+        }
+    }
+
+    /// What was measured before is there all the same.
+    #[test]
+    fn a_link_that_ends_in_a_soak_fails_its_row_and_loses_no_load() {
+        let (has_ended, asked) = (Arc::new(AtomicBool::new(false)), Cell::new(0));
+        let link = Ends(VirtualLink::new(share(Board::new(Config::default()))), has_ended.clone());
+        let client = Client::open(Box::new(link), Options::default()).unwrap();
+        let check = || {
+            asked.set(asked.get() + 1);
+            has_ended.store(asked.get() > 100, Ordering::Relaxed);
+            Ok(())
+        };
+        let outcome = then_restored(&client, 250_000, || {
+            Ok(Measured { ticks: vec![Vec::new()], soak: Some(soak(&client, 60, &check)?) })
+        });
+        let Ok(Measured { ticks, soak: Some(soak) }) = outcome else { panic!("{outcome:?}") };
+        assert_eq!(ticks.len(), 1);
+        assert!(soak.ended < 0 && soak.calls > 100 && soak.seconds < 60, "{soak:?}");
+        let mut figures = Figures::default();
+        figures.add("soak", vec![soak.seconds.into(), soak.calls as i64, soak.lost.into(), 0, soak.ended.into()]);
+        let (page, failed) = page::settled("", &figures).unwrap();
+        let row = page.lines().find(|line| line.starts_with("| the link's stream beside all others | ")).unwrap();
+        assert!(
+            failed == 1 && row.contains(&format!(" | **FAIL** | the link ended (error {}) after ", soak.ended)),
+            "{row}"
+        );
+    }
+
+    #[test]
+    fn the_ticks_into_which_all_loads_fit_are_one_line() {
+        let ran = |us: u32, worst_ns| {
+            let period_ns = 1000 * us;
+            Outcome::Ran(Ticks { period_ns, worst_ns, bucket_ns: 2048, ..Ticks::default() }, false)
+        };
+        let of = |worst_ns| {
+            let ticks = TICKS_US.map(|us| vec![ran(us, 9_000), ran(us, worst_ns)]).to_vec();
+            fitting(&Measured { ticks, soak: None })
+        };
+        assert_eq!(
+            [9_000, 30_000, 300_000].map(of),
+            ["All loads fit from 10 us on.", "All loads fit from 50 us on.", "Not all loads fit at 250 us."]
+        );
     }
 
     #[test]

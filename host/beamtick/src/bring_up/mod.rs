@@ -16,13 +16,14 @@ mod standard;
 mod ticks;
 
 use crate::Failure;
-use crate::{connect, interrupt};
-use client::Link;
+use crate::connect;
+use crate::interrupt::{self, Held};
+use client::{Client, Link, Options};
 pub use hands::Hands;
 use hands::Terminal;
 use lines::{Figures, Reader};
 pub use options::BringUp;
-use page::{Older, Report};
+use page::Report;
 use std::time::Duration;
 
 /// The board waits for this line.
@@ -31,24 +32,53 @@ const ORDER: &[u8] = b"go\n";
 const REPEAT_NS: u64 = 500_000_000;
 /// A board that says nothing for so long does not answer.
 const SILENCE_NS: u64 = 5_000_000_000;
+/// In this time a run has begun, and in this time it is over, whatever else comes over the link: a
+/// board takes some seconds, and the emulated one as many of its own.
+const BEGINS_NS: u64 = 15_000_000_000;
+const ENDS_NS: u64 = 120_000_000_000;
 /// How long one look at the link lasts.
 const RECEIVE_TIME: Duration = Duration::from_millis(20);
+/// The board asks for bytes by a line of this name: its link's stream shall be busy for some ms.
+const LISTENS: &str = "listens";
+/// 13.6 ms at 3 Mbaud.
+const FILLING: [u8; 4096] = [b'.'; 4096];
 
-const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image (`cargo bring-up`), press B2, try again. \
-    LD3 (red) alone: the image refuses the chip, which is no STM32H743 of revision X or V (assumption 6)";
+/// How a port is named, with its rate.
+const PORT: &str =
+    "serial:/dev/ttyACM0:3000000 (macOS: serial:/dev/cu.usbmodemNNN:3000000, Windows: serial:COM5:3000000)";
+const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image: `cargo bring-up`, or copy \
+    out/beamtick-bring-up-VERSION.hex onto the board's drive; press B2, try again. The link is the ST-LINK's port with its rate, \
+    3000000. LD3 (red) alone: the image refuses the chip, which is no STM32H743 of revision X or V (assumption 6)";
+const NO_OWN_IMAGE: &str = "This wants the board's own image, and maybe the bring-up image runs: `cargo flash-board`, or copy \
+    out/beamtick-h743-VERSION.hex onto the board's drive. The link is the ST-LINK's port with its rate, 3000000";
+/// What is said where a signal ends the program at once.
+const CUT: &str = "bring-up was cut short: the page is as it was. Press B2 at the board, then give the command again";
 
 /// Runs it over the link that the command line names.
 pub fn run(arguments: &BringUp) -> Result<(), Failure> {
     connect::check(&arguments.link)?;
+    if ["virtual", "qemu"].iter().any(|kind| arguments.link.split(':').next() == Some(kind)) {
+        let link = &arguments.link;
+        return Err(Failure::Input(format!("--link {link}: bring-up measures a board; its link is {PORT}")));
+    }
+    interrupt::say_last(CUT);
     let page = arguments.page.as_deref();
     if let Some(what) = arguments.hands {
         return hands::with(&mut Terminal::at(&arguments.link), what, page);
     }
     let link = client::link::open(&arguments.link);
     if let Some(board) = arguments.answers {
-        return answers::over(link, board, page);
+        return answers::over(answers::found(&arguments.link, link)?, board, page);
     }
     over(link?, arguments)
+}
+
+/// A client of the board's own image.
+fn own_image(link: Box<dyn Link>) -> Result<Client, Failure> {
+    Client::open(link, Options::default()).map_err(|error| match error.code {
+        client::error::NO_ANSWER => Failure::Job(format!("{error}. {NO_OWN_IMAGE}")),
+        _ => error.into(),
+    })
 }
 
 /// Runs it with these hands.
@@ -64,15 +94,20 @@ pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure>
         return loads::over(link, arguments.soak, name);
     }
     if let Some(board) = arguments.answers {
-        return answers::over(Ok(link), board, name);
+        return answers::over(Some(link), board, name);
     }
     let mut failed = 0;
-    page::write(name, Older::Aside, |before| {
-        let text = page::kept(before, Report::of(&measure(&mut *link, ORDER)?).text());
+    // A signal ends it through `measure`, so that it says what happened.
+    let held = Held::new();
+    let outcome = page::write(name, |before| {
+        page::check_subject(name, before)?;
+        let text = page::kept(name, before, Report::of(&measure(&mut *link, ORDER)?).text())?;
         failed = page::failed(&text);
         let summary = page::summary(&text);
         Ok((text, summary))
-    })?;
+    });
+    drop(held);
+    outcome?;
     page::failure(failed)
 }
 
@@ -80,13 +115,17 @@ pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure>
 fn measure(link: &mut dyn Link, order: &[u8]) -> Result<Figures, Failure> {
     let mut reader = Reader::default();
     let began = link.now();
-    let (mut ordered, mut heard) = (None::<u64>, began);
+    let (mut ordered, mut heard, mut is_filled) = (None::<u64>, began, false);
     let mut bytes = [0; 512];
     loop {
         if let Some(signal) = interrupt::came() {
-            return Err(Failure::Interrupted(signal, "the measurement was cut short; press B2 at the board".into()));
+            return Err(Failure::Interrupted(signal, CUT.into()));
         }
         let now = link.now();
+        if !is_filled && reader.has_line(LISTENS) {
+            link.send(&FILLING)?;
+            is_filled = true;
+        }
         if !reader.has_begun() && ordered.is_none_or(|at| now - at >= REPEAT_NS) {
             link.send(order)?;
             ordered = Some(now);
@@ -98,8 +137,122 @@ fn measure(link: &mut dyn Link, order: &[u8]) -> Result<Figures, Failure> {
         if reader.feed(&bytes[..count])? {
             return Ok(reader.figures());
         }
-        if link.now() - heard > SILENCE_NS {
-            return Err(Failure::Job(if reader.has_begun() { reader.cut_short() } else { NO_ANSWER.into() }));
+        let now = link.now();
+        if now - heard > SILENCE_NS {
+            return Err(Failure::Job(if reader.has_begun() { reader.cut_short() } else { no_run(&reader) }));
+        }
+        if !reader.has_begun() && now - began > BEGINS_NS {
+            return Err(Failure::Job(no_run(&reader)));
+        }
+        if now - began > ENDS_NS {
+            let seconds = ENDS_NS / 1_000_000_000;
+            return Err(Failure::Job(format!(
+                "the run does not end: {} lines have come in {seconds} s",
+                reader.lines()
+            )));
+        }
+    }
+}
+
+/// Why no run has begun.
+fn no_run(reader: &Reader) -> String {
+    match reader.foreign() {
+        None => NO_ANSWER.into(),
+        Some((bytes, first)) => format!(
+            "{bytes} bytes have come, and no line of the bring-up image: they begin with \"{first}\". Another image runs, this is \
+             another device's port, or the rate is not 3000000. Flash the bring-up image: `cargo bring-up`; the link is {PORT}"
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A device that says this again and again, a receive each 20 ms.
+    struct Talks(&'static [u8], u64);
+
+    impl Link for Talks {
+        fn name(&self) -> &str {
+            "talks"
+        }
+        fn send(&mut self, _: &[u8]) -> client::Result<()> {
+            Ok(())
+        }
+        fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+            self.1 += wait.as_nanos() as u64;
+            buf[..self.0.len()].copy_from_slice(self.0);
+            Ok(self.0.len())
+        }
+        fn now(&mut self) -> u64 {
+            self.1
+        }
+    }
+
+    /// Whatever comes, the program ends, and says what came.
+    #[test]
+    fn a_device_that_talks_without_end_is_no_board() {
+        let ended = |says: &'static [u8]| {
+            let mut link = Talks(says, 0);
+            match measure(&mut link, ORDER) {
+                Err(Failure::Job(text)) => (link.1 / 1_000_000_000, text),
+                other => panic!("{other:?}"),
+            }
+        };
+        // Lines, and bytes without one.
+        for (says, quoted) in [(&b"$GPGLL,5300.97914\r\n"[..], "$GPGLL,5300.97914\\r\\n$GPGLL"), (b"xyz", "xyzxyzxyz")]
+        {
+            let (seconds, text) = ended(says);
+            assert_eq!(seconds, 15);
+            assert!(
+                text.contains(&format!("begin with \"{quoted}")) && text.contains("the rate is not 3000000"),
+                "{text}"
+            );
+        }
+        assert_eq!(ended(b""), (5, NO_ANSWER.to_owned()));
+    }
+
+    /// Lines for people keep no run going.
+    #[test]
+    fn a_run_that_does_not_end_is_given_up() {
+        struct Begins(Talks, u32);
+        impl Link for Begins {
+            fn name(&self) -> &str {
+                "begins"
+            }
+            fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
+                // The board's stream is filled once it asks for that.
+                assert_eq!(bytes, if self.1 == 0 { ORDER } else { &FILLING });
+                self.1 += 1;
+                Ok(())
+            }
+            fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+                if self.0.1 > 0 {
+                    return self.0.receive(buf, wait);
+                }
+                self.0.1 = 1;
+                let line = b"format 2*11\r\nlistens*7A\r\n";
+                buf[..line.len()].copy_from_slice(line);
+                Ok(line.len())
+            }
+            fn now(&mut self) -> u64 {
+                self.0.1
+            }
+        }
+        let mut link = Begins(Talks(b"#.......\r\n", 0), 0);
+        let Err(Failure::Job(text)) = measure(&mut link, ORDER) else { panic!("it has ended well") };
+        assert_eq!(
+            (text.as_str(), link.0.1 / 1_000_000_000),
+            ("the run does not end: 2 lines have come in 120 s", 120)
+        );
+        assert_eq!(link.1, 2);
+    }
+
+    #[test]
+    fn a_link_to_no_board_names_what_is_needed() {
+        for link in ["virtual", "qemu", "qemu:image"] {
+            let Err(Failure::Input(text)) = crate::call(&["bring-up", "--link", link]) else { panic!("{link}") };
+            assert_eq!(text, format!("--link {link}: bring-up measures a board; its link is {PORT}"));
         }
     }
 }

@@ -11,22 +11,9 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-/// What of a page was there before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Older {
-    /// It is another run's: it gets its other name first, so that nobody takes it for this one's.
-    Aside,
-    /// What it says goes on: it stays until the new one is whole.
-    GoesOn,
-}
-
 /// Writes the page that `make` returns to the file, or prints it without one, and says the second
-/// text. `make` gets what the page says so far.
-pub fn write(
-    name: Option<&Path>,
-    older: Older,
-    make: impl FnOnce(&str) -> Result<(String, String), Failure>,
-) -> Result<(), Failure> {
+/// text. `make` gets what the page says so far. The file stays as it is until the new one is whole.
+pub fn write(name: Option<&Path>, make: impl FnOnce(&str) -> Result<(String, String), Failure>) -> Result<(), Failure> {
     let Some(name) = name else {
         let (text, _) = make("")?;
         say!("{}", text.trim_end());
@@ -37,32 +24,13 @@ pub fn write(
         other => other,
     };
     output::check(&[], &[("--page", name, false)])?;
-    if let Ok(text) = std::fs::read(name)
-        && !text.is_empty()
-        && !String::from_utf8_lossy(&text).contains(BY)
-    {
-        let name = name.display();
-        return Err(Failure::Input(format!("--page {name}: that file is no page of bring-up; choose another name")));
-    }
-    let before = match older {
-        Older::GoesOn if name.is_file() => std::fs::read_to_string(name)
-            .map_err(|e| Failure::Input(format!("--page {}: cannot be read: {e}", name.display())))?,
-        Older::GoesOn => String::new(),
-        Older::Aside => last(name),
-    };
-    let (mut output, mut file) = Output::stream(name).map_err(named)?;
-    let made = (|| {
-        if older == Older::Aside {
-            output.set_older_aside().map_err(named)?;
-        }
-        let (text, said) = make(&before)?;
+    let before = before(name)?;
+    let (output, mut file) = Output::stream(name).map_err(named)?;
+    let made = make(&before).and_then(|(text, said)| {
         let failed = |e| Failure::Job(format!("--page {}: cannot be written: {e}", name.display()));
         file.write_all(text.as_bytes()).map_err(failed)?;
-        if older == Older::GoesOn {
-            output.set_older_aside().map_err(named)?;
-        }
         Ok(said)
-    })();
+    });
     match made {
         Ok(said) => {
             output.whole()?;
@@ -70,7 +38,10 @@ pub fn write(
             Ok(())
         }
         Err(failure) => {
-            let kept = output.cut_off().to_string();
+            let mut kept = output.cut_off().to_string();
+            if !before.is_empty() {
+                kept += &format!("\n{} is as it was.", name.display());
+            }
             Err(match failure {
                 Failure::Job(text) => Failure::Job(text + &kept),
                 Failure::Input(text) => Failure::Input(text + &kept),
@@ -80,14 +51,18 @@ pub fn write(
     }
 }
 
-/// What a page said last: where a run was cut short, it has its other name. Empty if nothing that
-/// can be read is there.
-fn last(name: &Path) -> String {
-    [name.to_owned(), output::old(name)]
-        .into_iter()
-        .filter(|name| name.is_file())
-        .find_map(|name| std::fs::read_to_string(name).ok())
-        .unwrap_or_default()
+/// What a page says, or nothing where none is. Fails where the file is none of ours.
+fn before(name: &Path) -> Result<String, Failure> {
+    if !name.is_file() {
+        return Ok(String::new());
+    }
+    let shown = name.display();
+    let bytes = std::fs::read(name).map_err(|e| Failure::Input(format!("--page {shown}: cannot be read: {e}")))?;
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    if !text.is_empty() && !text.contains(BY) {
+        return Err(Failure::Input(format!("--page {shown}: that file is no page of bring-up; choose another name")));
+    }
+    Ok(text)
 }
 
 /// A line that says of what, by which program, and when.
@@ -115,7 +90,7 @@ impl Report {
         let judged = rows().into_iter().map(|row| (row, (row.judge)(figures))).collect();
         let unknown = || "unknown".to_owned();
         let unique = figures.only::<3>("unique").map(|words| words.map(|word| format!("{word:08x}")).join("-"));
-        let image = figures.only::<3>("version").map(|parts| parts.map(|part| part.to_string()).join("."));
+        let image = version(figures.only("version"), figures.only("build"));
         let board = figures.all("board").first().map(|bytes| bytes.iter().filter_map(letter).collect());
         let of = format!(
             "Board {}, bring-up image {}, chip {}",
@@ -188,6 +163,9 @@ fn advice(row: &Row) -> String {
     format!("- {}: {}", row.what, row.remedy)
 }
 
+/// A line of this name says that a fail may have another reason than the board.
+pub const UNPROVEN: &str = "unproven";
+
 /// The page with the rows that these figures settle, and how many of them failed. Where there was
 /// no page, it has all other rows too, as not measured.
 pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failure> {
@@ -208,11 +186,16 @@ pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failu
                 row.what
             )));
         };
-        // A run that came to nothing takes back nothing that another one has settled.
+        // A run that came to nothing takes back nothing that another one has settled. Nor does
+        // silence that may have another reason than the board.
         let was = line.strip_prefix(&head(row)).unwrap_or_default();
-        let decides = matches!(verdict, Verdict::Pass(_) | Verdict::Fail(_));
+        let has_failed = matches!(verdict, Verdict::Fail(_));
+        failed += usize::from(has_failed);
+        let decides = matches!(verdict, Verdict::Pass(_)) || has_failed && figures.all(UNPROVEN).is_empty();
         if !decides && (was.starts_with("pass ") || was.starts_with("**FAIL** ")) {
-            say!("{}: {}; the page keeps what it says", row.what, cells(row, &verdict).trim_end_matches(" |"));
+            let cells = cells(row, &verdict);
+            let is = cells.strip_prefix(&head(row)).unwrap_or_default().trim_end_matches(" |").replace(" | ", ": ");
+            say!("{}: {is}; the page keeps what it says", row.what);
             continue;
         }
         text = text.replacen(&line, &cells(row, &on(verdict.clone(), figures)), 1).replacen(
@@ -220,8 +203,7 @@ pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failu
             "",
             1,
         );
-        if matches!(verdict, Verdict::Fail(_)) {
-            failed += 1;
+        if has_failed {
             text = advised(&text, row);
         }
     }
@@ -243,9 +225,31 @@ fn is_page(text: &str) -> bool {
     text.contains("\n| row |") && text.contains(" rows passed, ")
 }
 
-/// With the day, and the version of the image where it is known: the row outlasts other runs.
+/// A version and what tells its builds apart: a checksum of the bring-up image, the hash of the
+/// protocol of a board's own image.
+fn version(parts: Option<[i64; 3]>, build: Option<[i64; 1]>) -> Option<String> {
+    let ([major, minor, patch], [build]) = (parts?, build?);
+    Some(format!("{major}.{minor}.{patch}-{build:08x}"))
+}
+
+/// The same of the board's own image that answers this client.
+pub fn version_of(client: &client::Client) -> String {
+    let mut figures = Figures::default();
+    figures.add_image_of(client);
+    image(&figures).unwrap_or_default()
+}
+
+/// The image of these figures, where it has said so.
+fn image(figures: &Figures) -> Option<String> {
+    match figures.only("image") {
+        Some([major, minor, patch, schema]) => version(Some([major, minor, patch]), Some([schema])),
+        None => version(figures.only("version"), figures.only("build")),
+    }
+}
+
+/// With the day, and the image where it is known: the row outlasts other runs.
 fn on(verdict: Verdict, figures: &Figures) -> Verdict {
-    let image = figures.only::<3>("image").map(|[major, minor, patch]| format!("image {major}.{minor}.{patch}, "));
+    let image = image(figures).map(|image| format!("image {image}, "));
     let with = |figure: String| format!("{figure} ({}{})", image.unwrap_or_default(), today());
     match verdict {
         Verdict::Pass(figure) => Verdict::Pass(with(figure)),
@@ -256,27 +260,56 @@ fn on(verdict: Verdict, figures: &Figures) -> Verdict {
 }
 
 /// The board, its image and the chip of which a page is, where the board has said all three.
-fn subject(page: &str) -> Option<(&str, &str)> {
+fn subject(page: &str) -> Option<(&str, &str, &str)> {
     let line = page.lines().find_map(|line| line.split_once(BY)?.0.strip_prefix("Board "))?;
-    let (_, rest) = line.split_once(", bring-up image ")?;
-    let (image, _) = rest.split_once(", ")?;
-    (!line.contains("unknown")).then_some((line, image))
+    let (board, rest) = line.split_once(", bring-up image ")?;
+    let (image, chip) = rest.split_once(", chip ")?;
+    (!line.contains("unknown")).then_some((board, image, chip))
+}
+
+/// Fails where a page does not say of which chip it is: a run would take it for its own.
+pub fn check_subject(name: Option<&Path>, before: &str) -> Result<(), Failure> {
+    let Some(name) = name.filter(|_| is_page(before) && subject(before).is_none()) else { return Ok(()) };
+    Err(Failure::Input(format!(
+        "--page {} does not say of which chip it is: it began without the bring-up image. Rename it, or name another file; \
+         then repeat what it has settled",
+        name.display()
+    )))
 }
 
 /// A page of a new run, with what other runs have settled on the one before: their rows and
-/// sections stay, with their days, while board, chip and image are the same.
-pub fn kept(before: &str, page: String) -> String {
-    let (Some(was), Some(is)) = (subject(before), subject(&page)) else { return page };
-    if was != is {
-        return page;
+/// sections stay, with their days, while their image is the same. Fails where the page before is
+/// another chip's, which is not replaced.
+pub fn kept(name: Option<&Path>, before: &str, page: String) -> Result<String, Failure> {
+    let (Some(was), Some(is)) = (subject(before), subject(&page)) else { return Ok(page) };
+    if (was.0, was.2) != (is.0, is.2) {
+        let name = name.unwrap_or(Path::new("bring-up.md"));
+        let other = name.with_file_name(format!("bring-up-{}.md", is.2));
+        return Err(Failure::Input(format!(
+            "--page {} is of another board: {}, chip {}. This one is {}, chip {}. Rename that page, or name another file: \
+             --page {}",
+            name.display(),
+            was.0,
+            was.2,
+            is.0,
+            is.2,
+            other.display()
+        )));
     }
+    // The board's own image of this release and this program's protocol, and the bring-up image.
+    let release = is.1.split('-').next().unwrap_or_default();
+    let same = [format!("image {release}-{:08x}, ", protocol::SCHEMA), format!("image {}, ", is.1)];
+    let is_of_another_image = |text: &str| text.contains("image ") && !same.iter().any(|image| text.contains(image));
     let mut text = page.clone();
     for row in elsewhere() {
         let of = |page: &str| page.lines().find(|line| line.starts_with(&head(row))).map(str::to_owned);
         let (Some(old), Some(new)) = (of(before), of(&text)) else { continue };
-        let is_of_another_image = old.contains("(image ") && !old.contains(&format!("(image {}, ", is.1));
         let rest = old.strip_prefix(&head(row)).unwrap_or_default();
-        if is_of_another_image || rest.starts_with("not measured ") {
+        if rest.starts_with("not measured ") {
+            continue;
+        }
+        if is_of_another_image(rest) {
+            say!("{}: settled by another image, so it is not taken over: {}", row.what, rest.trim_end_matches(" |"));
             continue;
         }
         text = text.replacen(&new, &old, 1);
@@ -285,9 +318,15 @@ pub fn kept(before: &str, page: String) -> String {
         }
     }
     for section in before.split("\n## ").skip(1).filter(|section| !format!("## {section}").starts_with(ADVICE)) {
+        let dated = section.lines().find(|line| line.contains(BY)).unwrap_or_default();
+        if is_of_another_image(dated) {
+            let title = section.lines().next().unwrap_or_default();
+            say!("{title}: measured with another image, so it is not taken over; measure it again");
+            continue;
+        }
         text = format!("{}\n\n## {}\n", text.trim_end(), section.trim_end());
     }
-    recounted(&text)
+    Ok(recounted(&text))
 }
 
 /// Rows of a page that failed, but not those of its sections.
@@ -338,7 +377,7 @@ fn counted([passed, failed, figures, not_measured]: [usize; 4]) -> String {
 /// Settles rows of the page by the figures of another run than that of the bring-up image.
 pub fn settle(name: Option<&Path>, measure: impl FnOnce() -> Result<Figures, Failure>) -> Result<(), Failure> {
     let mut count = 0;
-    write(name, Older::GoesOn, |before| {
+    write(name, |before| {
         // Before anybody waits for a measurement that the page has no row for.
         complete(before)?;
         let (text, failed) = settled(before, &measure()?)?;
@@ -383,7 +422,6 @@ mod tests {
     /// advice away.
     #[test]
     fn a_row_is_settled_in_the_page_that_is_there() {
-        const CLOCK: &str = "the clock's guard breaks the timers";
         const WATCHDOG: &str = "the watchdog's time";
         let page = Report::of(&figures("watchdog", &[24_000_000])).text();
         let before = line(&page, WATCHDOG).to_owned();
@@ -403,7 +441,11 @@ mod tests {
         assert!(place("- USB of the Nucleo answers: ") < place("## Ticks under load"), "{bad}");
     }
 
-    const BOARD: [(&str, &[i64]); 3] = [("board", &[110, 117, 99]), ("version", &[0, 1, 0]), ("unique", &[1, 2, 3])];
+    const BOARD: [(&str, &[i64]); 4] =
+        [("board", &[110, 117, 99]), ("version", &[0, 1, 0]), ("build", &[0xab]), ("unique", &[1, 2, 3])];
+    const HALT: &str = "the watchdog while a debugger halts the core";
+    const CLOCK: &str = "the clock's guard breaks the timers";
+    const SOAK: &str = "endpoints of USB that are set again";
 
     /// The page of a run of the bring-up image, with one of these lines another one.
     fn run_of(other: Option<(&str, &[i64])>) -> String {
@@ -415,44 +457,126 @@ mod tests {
         Report::of(&all).text()
     }
 
-    /// A new run takes nothing from what others have settled, unless board, chip or image is
-    /// another one.
+    /// A page with a row that the board's own image has settled, of this schema.
+    fn with(page: &str, name: &str, numbers: &[i64], schema: u32) -> String {
+        let mut figures = figures(name, numbers);
+        figures.add("image", vec![0, 1, 0, schema.into()]);
+        settled(page, &figures).unwrap().0
+    }
+
+    /// A page on which other runs have settled rows, and a section.
+    fn page_of_others() -> String {
+        let page = with(&run_of(None), "halt", &[3000, 1000, 0], protocol::SCHEMA);
+        let mut clock = figures("clock-lost", &[1, 1, 1, 0, 1, 0]);
+        clock.add("version", vec![0, 1, 0]);
+        clock.add("build", vec![0xab]);
+        let page = settled(&page, &clock).unwrap().0;
+        let page = with(&page, "soak", &[3600, 9, 0, 1, 0], protocol::SCHEMA);
+        let section = dated(&format!("Board nuc, image 0.1.0-{:08x}, over serial", protocol::SCHEMA));
+        page.trim_end().to_owned() + "\n\n## Ticks under load\n\n" + &section + "\n\n| a | 21 | pass | b |\n"
+    }
+
+    fn again(before: &str, page: String) -> String {
+        kept(None, before, page).unwrap()
+    }
+
+    /// A new run takes nothing from what others have settled, unless their image is another one.
     #[test]
     fn what_other_runs_have_settled_outlasts_a_new_run_of_the_same_board() {
-        const HALT: &str = "the watchdog while a debugger halts the core";
-        const CLOCK: &str = "the clock's guard breaks the timers";
-        const SOAK: &str = "endpoints of USB that are set again";
-        let with = |page: &str, name: &str, numbers: &[i64], image: [i64; 3]| {
-            let mut figures = figures(name, numbers);
-            figures.add("image", image.to_vec());
-            settled(page, &figures).unwrap().0
-        };
-        let page = with(&run_of(None), "halt", &[3000, 1000, 0], [0, 1, 0]);
-        let page = with(&page, "clock-lost", &[1, 1, 1, 0, 1, 0], [0, 1, 0]);
-        let page = settled(&page, &figures("soak", &[3600, 9, 0, 1])).unwrap().0;
-        let page = page.trim_end().to_owned() + "\n\n## Ticks under load\n\n| a | 21 | pass | b |\n";
+        let page = page_of_others();
         assert_eq!(summary(&page).split(", 0 figures").next(), Some("2 rows passed, 1 failed"), "{page}");
-        let again = kept(&page, run_of(None));
-        assert_eq!(again, page);
-        assert!(line(&again, HALT).ends_with(&format!("it stood for 2.0 s and went on (image 0.1.0, {}) |", today())));
-        assert!(line(&again, SOAK).ends_with(&format!(" 0 frames lost or damaged ({}) |", today())));
-        assert_eq!((failed(&again), again.matches(&format!("- {CLOCK}: ")).count()), (1, 1));
+        let next = again(&page, run_of(None));
+        assert_eq!(next, page);
+        let own = format!("(image 0.1.0-{:08x}, {}) |", protocol::SCHEMA, today());
+        assert!(line(&next, HALT).ends_with(&format!("it stood for 2.0 s and went on {own}")));
+        assert!(line(&next, SOAK).ends_with(&format!(" 0 frames lost or damaged {own}")));
+        assert!(line(&next, CLOCK).ends_with(&format!("(image 0.1.0-000000ab, {}) |", today())), "{next}");
+        assert_eq!((failed(&next), next.matches(&format!("- {CLOCK}: ")).count()), (1, 1));
         // A day goes on as it is.
         let old = page.replace(&today().to_string(), "2001-02-03");
-        assert!(line(&kept(&old, run_of(None)), HALT).ends_with("(image 0.1.0, 2001-02-03) |"));
+        assert!(line(&again(&old, run_of(None)), HALT).ends_with(", 2001-02-03) |"));
+        // Another build of the bring-up image takes back what that has settled, and no more.
+        let next = again(&page, run_of(Some(("build", &[0xac]))));
+        assert!(line(&next, CLOCK).contains(" | not measured | ") && !next.contains(&format!("- {CLOCK}: ")), "{next}");
+        assert!(line(&next, HALT).contains(" | pass | ") && next.contains("## Ticks under load"), "{next}");
+        // Another protocol of the board's own image takes back its rows and its section.
+        let old = page.replace(&format!("-{:08x}, ", protocol::SCHEMA), "-00000001, ");
+        let next = again(&old, run_of(None));
+        assert!(line(&next, HALT).contains(" | not measured | ") && !next.contains("## Ticks under load"), "{next}");
+        assert!(line(&next, CLOCK).contains(" | **FAIL** | "), "{next}");
+        // So does another release.
+        let next = again(&page, run_of(Some(("version", &[0, 1, 1]))));
+        assert_eq!(next, run_of(Some(("version", &[0, 1, 1]))));
+    }
 
-        for other in [("board", &[110, 118][..]), ("version", &[0, 1, 1]), ("unique", &[1, 2, 4])] {
-            let fresh = run_of(Some(other));
-            assert_eq!(kept(&page, fresh.clone()), fresh);
+    /// A page of another board is not replaced, nor one that does not say of which it is.
+    #[test]
+    fn a_page_of_another_board_stays() {
+        let page = page_of_others();
+        for other in [("board", &[110, 118][..]), ("unique", &[1, 2, 4])] {
+            let name = Path::new("out/page.md");
+            let Err(Failure::Input(text)) = kept(Some(name), &page, run_of(Some(other))) else { panic!("{other:?}") };
+            assert!(text.starts_with("--page out/page.md is of another board: nuc, chip 00000001-"), "{text}");
+            let of = if other.0 == "unique" { 4 } else { 3 };
+            let advice = format!("--page out/bring-up-00000001-00000002-{of:08x}.md");
+            assert!(text.ends_with(&advice), "{text}");
         }
-        // A page that does not say of which board it is settles nothing of another one.
-        let nobodys = with("", "halt", &[3000, 1000, 0], [0, 1, 0]);
-        assert_eq!(kept(&nobodys, run_of(None)), run_of(None));
-        // The board's own image was another version than that of bring-up: its rows go, others
-        // stay.
-        let page = with(&page, "halt", &[3000, 1000, 0], [0, 0, 9]);
-        let again = kept(&page, run_of(None));
-        assert!(line(&again, HALT).contains(" | not measured | ") && line(&again, SOAK).contains(" | pass | "));
+        let nobodys = with("", "halt", &[3000, 1000, 0], protocol::SCHEMA);
+        let name = Some(Path::new("page.md"));
+        let Err(Failure::Input(text)) = check_subject(name, &nobodys) else { panic!() };
+        assert!(text.starts_with("--page page.md does not say of which chip it is"), "{text}");
+        assert!(check_subject(name, &page).is_ok() && check_subject(name, "").is_ok());
+    }
+
+    /// What came to nothing takes back no row; silence of a port that may be another device's takes
+    /// back no pass.
+    #[test]
+    fn a_row_outlasts_a_vain_try() {
+        let page = page_of_others();
+        // The core did not stand.
+        let (next, failed) = settled(&page, &figures("halt", &[3000, 3000, 0])).unwrap();
+        assert_eq!((next.as_str(), failed), (page.as_str(), 0));
+        // A short soak proves nothing.
+        let (next, _) = settled(&page, &figures("soak", &[30, 9, 0, 1, 0])).unwrap();
+        assert_eq!(next, page);
+        let page = with(&page, "answers", &[0, 1, 100], protocol::SCHEMA);
+        let mut silence = figures("answers", &[0, 1, 0]);
+        assert!(line(&settled(&page, &silence).unwrap().0, "USB of the Nucleo answers").contains(" | **FAIL** | "));
+        silence.add(UNPROVEN, Vec::new());
+        let (next, failed) = settled(&page, &silence).unwrap();
+        assert_eq!((next.as_str(), failed), (page.as_str(), 1));
+    }
+
+    /// A file that is none of ours stays, and nobody waits for what no row of the page takes.
+    #[test]
+    fn what_cannot_take_the_result_is_refused_before_anything_is_measured() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = folder.path().join("page.md");
+        let refused = |text: &str| {
+            std::fs::write(&name, text).unwrap();
+            let Err(Failure::Input(why)) = settle(Some(&name), || panic!("it measures")) else { panic!("{text}") };
+            assert_eq!(std::fs::read_to_string(&name).unwrap(), text);
+            why
+        };
+        assert!(refused("my notes\n").contains("page.md: that file is no page of bring-up; choose another name"));
+        let page = page_of_others().replace("| voltages of", "| levels of");
+        assert!(
+            refused(&page).contains("has no row \"voltages of an external DAC\": measure by the bring-up image anew")
+        );
+    }
+
+    /// Whatever ends a measurement, the page before is as it was, and the message says so.
+    #[test]
+    fn a_measurement_that_ends_early_leaves_the_page() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = folder.path().join("page.md");
+        let page = page_of_others();
+        std::fs::write(&name, &page).unwrap();
+        let failed = write(Some(&name), |_| Err(Failure::Job("it ends".to_owned())));
+        let Err(Failure::Job(text)) = failed else { panic!() };
+        assert_eq!(text, format!("it ends\n{} is as it was.", name.display()));
+        assert_eq!(std::fs::read_to_string(&name).unwrap(), page);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]

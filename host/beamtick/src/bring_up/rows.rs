@@ -53,6 +53,20 @@ fn all_of(wrong: Vec<String>, good: &str) -> Verdict {
     if wrong.is_empty() { Verdict::Pass(good.to_owned()) } else { Verdict::Fail(wrong.join("; ")) }
 }
 
+/// The same of parts that are measured one by one. Where nothing is wrong, a part that was not
+/// measured leaves the row unsettled: its name and its verdict say which.
+fn all_parts(wrong: Vec<String>, good: &str, missing: Vec<(String, Verdict)>) -> Verdict {
+    if !wrong.is_empty() || missing.is_empty() {
+        return all_of(wrong, good);
+    }
+    let named = missing.into_iter().map(|(part, verdict)| match verdict {
+        Verdict::NotMeasured(why) => format!("{part}: {why}"),
+        other => format!("{part}: {other:?}"),
+    });
+    let measured = if good.is_empty() { String::new() } else { format!("; measured: {good}") };
+    Verdict::NotMeasured(named.collect::<Vec<_>>().join("; ") + &measured)
+}
+
 /// All rows, in the order of the page.
 pub fn rows() -> Vec<&'static Row> {
     let of_image = registers::ROWS.iter().chain(captures::ROWS).chain(shortest::ROWS).chain(peripherals::ROWS);
@@ -94,6 +108,26 @@ mod tests {
             assert!(["--loads --soak", "--answers", "--hands"].iter().any(|option| why.contains(option)), "{why}");
         }
         assert!(!page.contains("by hand"), "every row is measured");
+    }
+
+    /// A file by its whole path, a section with its manual.
+    #[test]
+    fn a_remedy_names_files_that_exist_and_the_manual_of_a_section() {
+        let root = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+        for Row { what, remedy, .. } in rows() {
+            let words = remedy.split(|c: char| !(c.is_ascii_alphanumeric() || "./_-".contains(c)));
+            let mut manual = false;
+            for word in words.map(|word| word.trim_matches('.')) {
+                if [".rs", ".md", ".x"].iter().any(|ending| word.ends_with(ending)) {
+                    assert!(root.join(word).is_file(), "{what}: {word}");
+                }
+                manual |= ["RM0433", "ES0392"].contains(&word);
+                let parts: Vec<&str> = word.split('.').collect();
+                let is_section = parts.len() > 1 && parts.iter().all(|part| part.parse::<u8>().is_ok());
+                // A voltage or a current has its unit after it.
+                assert!(!is_section || manual || remedy.contains(&format!("{word} V")), "{what}: {word}");
+            }
+        }
     }
 
     #[test]

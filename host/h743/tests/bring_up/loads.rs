@@ -58,7 +58,9 @@ fn ticks_of_the_boards_own_image_are_measured_under_loads() {
     assert_eq!(result("two paths, four axes in PVT, two lasers at 2 MHz that follow", 10), "does not fit");
     assert_eq!(result("eight axes in PVT, two lasers at 2 MHz", 10), "does not fit");
     assert!(rows.values().all(|(result, _)| matches!(*result, "pass" | "does not fit")), "{page}");
-    assert!(page.contains("Board nucleo-h743zi2, image 0.1.0, over h743, by `beamtick bring-up` 0.1.0 on 2"), "{page}");
+    assert!(page.contains("\n\nAll loads fit from 50 us on.\n"), "{page}");
+    let of = format!("Board nucleo-h743zi2, image 0.1.0-{:08x}, over h743, by", protocol::SCHEMA);
+    assert!(page.contains(&of) && page.contains(" by `beamtick bring-up` 0.1.0 on 2"), "{page}");
     // The axes of the paths and those in PVT have moved, and light was there.
     let moved = changes(&board, MOVES_AND_LIGHTS);
     assert!(moved[..6].iter().all(|count| *count > 1000), "{moved:?}");
@@ -116,7 +118,7 @@ fn a_tick_longer_than_its_period_is_shown_and_a_load_that_does_not_fit_is_not_ru
     let row = |load: &str, us: u32| rows[format!("{load}, tick of {us} us").as_str()];
     let (result, figure) = row("eight axes at standstill", 250);
     assert_eq!(result, "**FAIL**", "{page}");
-    assert!(figure.starts_with("overrun: 1 ticks were too long or too late; median "), "{figure}");
+    assert!(figure.starts_with("overrun: 1 tick took too long or came too late; median "), "{figure}");
     let worst: f64 = figure.split("worst ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((260.0..300.0).contains(&worst), "{figure}");
     // The others at that tick ran, and passed.

@@ -3,7 +3,7 @@
 //! The plan of `bring-up/src/light.rs`: light begins 2400 counts after a tick, in pulses of 240
 //! counts every 1200; under load two lasers have periods of 120 and 121 counts in turn, and eight
 //! axes a step every 240. A tick is 12,000 counts.
-use super::{Row, Verdict, all_of, peripherals};
+use super::{Row, Verdict, all_parts, peripherals};
 use crate::bring_up::lines::Figures;
 
 /// Counts of a tick of 50 µs.
@@ -40,19 +40,19 @@ pub const ROWS: &[Row] = &[
         what: "TIM1, TIM15 and TIM8 start by their triggers",
         assumptions: &[15],
         judge: running,
-        remedy: "compare TS of each with the tables of internal triggers (38.4.3, 41.5.3), `launch` in laser.rs",
+        remedy: "compare TS of each with the tables of internal triggers (RM0433 38.4.3, 41.5.3), `launch` in hal/src/stm32h743/laser.rs",
     },
     Row {
         what: "first edges after their tick",
         assumptions: &[11],
         judge: first_edges,
-        remedy: "one offset for all is harmless; if they differ, set each timer's CNT at `arm` in pwm_dma.rs to the difference",
+        remedy: "one offset for all is harmless; if they differ, set each timer's CNT at `arm` in hal/src/stm32h743/pwm_dma.rs to the difference",
     },
     Row {
         what: "a step after its slot",
         assumptions: &[11],
         judge: first_step,
-        remedy: "DMA takes longer than half a slot: enlarge `MARGIN_SLOTS` and the phase of TIM17 in steps.rs",
+        remedy: "DMA takes longer than half a slot: enlarge `MARGIN_SLOTS` and the phase of TIM17 in hal/src/stm32h743/steps.rs",
     },
     Row {
         what: "cycles of 2 MHz, all streams busy",
@@ -64,37 +64,37 @@ pub const ROWS: &[Row] = &[
         what: "steps of 1 MHz, all streams busy",
         assumptions: &[10],
         judge: load_steps,
-        remedy: "DMA2 has no time left: set STEP_WIDTH_NS to 1000 in settings.rs",
+        remedy: "DMA2 has no time left: set STEP_WIDTH_NS to 1000 in hal/src/stm32h743/settings.rs",
     },
     Row {
         what: "each step is played once",
         assumptions: &[14],
         judge: steps,
-        remedy: "clear later: raise TIM17's CCR1 to half a slot in `start` of steps.rs",
+        remedy: "clear later: raise TIM17's CCR1 to half a slot in `start` of hal/src/stm32h743/steps.rs",
     },
     Row {
         what: "a stream keeps its place while its timer stands",
         assumptions: &[13],
         judge: stream,
-        remedy: "`locate` in steps.rs must find the slot anew after each overrun",
+        remedy: "`locate` in hal/src/stm32h743/steps.rs must find the slot anew after each overrun",
     },
     Row {
         what: "a slot that nobody has filled is dark and stops the timer",
         assumptions: &[12],
         judge: starved,
-        remedy: "keep the lasers off: ARR 0 does not block that timer; `safe_state` must come from a timer's interrupt instead",
+        remedy: "keep the lasers off: ARR 0 does not block that timer; `safe_state` in hal/src/stm32h743/laser.rs must come from a timer's interrupt instead",
     },
     Row {
         what: "light after a burst that was broken off",
         assumptions: &[9],
         judge: again,
-        remedy: "RCC does not reset the burst: finish it by writes to DMAR before `reset` in laser.rs",
+        remedy: "RCC does not reset the burst: finish it by writes to DMAR before `reset` in hal/src/stm32h743/laser.rs",
     },
     Row {
         what: "from the interlock to dark",
         assumptions: &[2],
         judge: break_time,
-        remedy: "keep the lasers off: compare AF1, BDTR and the pin's alternate function with 38.3.16",
+        remedy: "keep the lasers off: compare AF1, BDTR and the pin's alternate function with RM0433 38.3.16 (`set_up` in hal/src/stm32h743/laser.rs)",
     },
     Row {
         what: "energy − after + at a break",
@@ -102,18 +102,23 @@ pub const ROWS: &[Row] = &[
         judge: break_minus,
         remedy: "a device on the − line alone gets light for so long: use + and −, or a buffer that needs both",
     },
-    Row { what: "energy − after + at a safe state", assumptions: &[4], judge: off_minus, remedy: "as at a break" },
+    Row {
+        what: "energy − after + at a safe state",
+        assumptions: &[4],
+        judge: off_minus,
+        remedy: "a device on the − line alone gets light for so long: use + and −, or a buffer that needs both",
+    },
     Row {
         what: "analog outputs within a tick",
         assumptions: &[24],
         judge: settling,
-        remedy: "light by voltage lags: compare DAC_MCR with 26.7.16, measure the load at the pin",
+        remedy: "light by voltage lags: compare DAC_MCR with RM0433 26.7.16 (`open` in hal/src/stm32h743/analog.rs), measure the load at the pin",
     },
     Row {
         what: "analog inputs by analog outputs",
         assumptions: &[22],
         judge: analog,
-        remedy: "lengthen SMPR in adc.rs to 387.5 cycles; if that changes nothing, compare ADC's clock and calibration with 25.4",
+        remedy: "lengthen SMPR in hal/src/stm32h743/adc.rs to 387.5 cycles; if that changes nothing, compare ADC's clock and calibration with RM0433 25.4",
     },
 ];
 
@@ -216,7 +221,10 @@ fn jumpers(figures: &Figures) -> Verdict {
     let named = |number: &usize| format!("{number} ({})", JUMPERS.get(number - 1).copied().unwrap_or("unknown"));
     Verdict::Figure(match missing.as_slice() {
         [] => "all twelve".to_owned(),
-        missing => format!("missing: {}", missing.iter().map(named).collect::<Vec<_>>().join(", ")),
+        missing => {
+            let others = if missing.contains(&6) { "; without jumper 6 the first five are not looked for" } else { "" };
+            format!("missing: {}{others}", missing.iter().map(named).collect::<Vec<_>>().join(", "))
+        }
     })
 }
 
@@ -332,7 +340,7 @@ fn starved(figures: &Figures) -> Verdict {
         if lit == 0 || not_right(figures, jumper).is_some() {
             match no_edges(figures, "starved", jumper) {
                 Verdict::Fail(how) => wrong.push(format!("TIM{timer}: {how}")),
-                verdict => missing.push(verdict),
+                verdict => missing.push((format!("TIM{timer}"), verdict)),
             }
             continue;
         }
@@ -342,10 +350,7 @@ fn starved(figures: &Figures) -> Verdict {
         let holds = (read, edges, level) == (0, 0, 1);
         if holds { good.push(text) } else { wrong.push(text) }
     }
-    match missing.into_iter().next() {
-        Some(verdict) if good.is_empty() && wrong.is_empty() => verdict,
-        _ => all_of(wrong, &good.join("; ")),
-    }
+    all_parts(wrong, &good.join("; "), missing)
 }
 
 fn again(figures: &Figures) -> Verdict {
@@ -428,14 +433,22 @@ fn largest(figures: &Figures, limit: i64, difference: fn(&[i64; 3]) -> i64) -> V
     if figures.all("loop").is_empty() {
         return Verdict::missing("loop");
     }
-    let there: Vec<usize> = (7..=8).filter(|number| has_loop(figures, *number)).collect();
-    if there.is_empty() {
-        return Verdict::NotMeasured(format!("jumpers 7 and 8 ({}, {}) are missing", JUMPERS[6], JUMPERS[7]));
+    let (mut wrong, mut good, mut missing) = (Vec::new(), Vec::new(), Vec::new());
+    for number in 7..=8 {
+        let output = number - 6;
+        if !has_loop(figures, number) {
+            let why = Verdict::NotMeasured(format!("jumper {number} ({}) is missing", JUMPERS[number - 1]));
+            missing.push((format!("output {output}"), why));
+            continue;
+        }
+        let most = loops(figures, output as i64).iter().map(|line| difference(line).abs()).max().unwrap_or(0);
+        let figure = format!("output {output} {most}");
+        if most <= limit { good.push(figure) } else { wrong.push(figure) }
     }
-    let all = there.iter().flat_map(|number| loops(figures, *number as i64 - 6));
-    let most = all.map(|line| difference(&line).abs()).max().unwrap_or(0);
-    let which = there.iter().map(|number| (number - 6).to_string()).collect::<Vec<_>>().join(" and ");
-    Verdict::of(most <= limit, format!("{most} of 65536 at output {which}, of {limit}"))
+    let of = |all: &[String]| {
+        if all.is_empty() { String::new() } else { format!("{}, of {limit} in 65536", all.join(", ")) }
+    };
+    all_parts(if wrong.is_empty() { wrong } else { vec![of(&wrong)] }, &of(&good), missing)
 }
 
 fn settling(figures: &Figures) -> Verdict {
@@ -478,6 +491,26 @@ mod tests {
         figures.add("wire", vec![4, 8]);
         figures.add("steps", vec![100, 50]);
         assert!(matches!(steps(&figures), Verdict::Fail(_)));
+    }
+
+    /// One timer, or one output, was not measured: the row says which, and passes for none.
+    #[test]
+    fn a_part_that_was_not_measured_leaves_the_row_unsettled() {
+        let mut figures = Figures::default();
+        for line in [[1, 1], [2, 0], [3, 4], [6, 32]] {
+            figures.add("wire", line.to_vec());
+        }
+        for line in [[1, 12, 9, 9, 0, 1], [15, 0, 9, 9, 0, 1], [8, 12, 9, 9, 0, 1]] {
+            figures.add("starved", line.to_vec());
+        }
+        let Verdict::NotMeasured(why) = starved(&figures) else { panic!() };
+        let good = "; measured: TIM1 12 edges before, 0 after, 0 items read, level 1; TIM8 12 ";
+        assert!(why.starts_with(&format!("TIM15: jumper 2 (D58–D23) is missing{good}")), "{why}");
+        for line in [[1, 0, 0, 0], [1, 60_000, 60_000, 60_000], [2, 0, 0, 0], [2, 60_000, 0, 0]] {
+            figures.add("loop", line.to_vec());
+        }
+        let why = "output 2: jumper 8 (D13–A4) is missing; measured: output 1 0, of 400 in 65536";
+        assert_eq!(analog(&figures), Verdict::NotMeasured(why.to_owned()));
     }
 
     #[test]

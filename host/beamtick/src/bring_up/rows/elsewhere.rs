@@ -1,6 +1,7 @@
 //! Rows that another run measures than that of the bring-up image: with the board's own image, or
 //! with a hand. Before it each says which option does.
 use super::{Row, Verdict, all_of};
+use crate::bring_up::answers::CALLS;
 use crate::bring_up::lines::Figures;
 
 pub const ROWS: &[Row] = &[
@@ -8,38 +9,38 @@ pub const ROWS: &[Row] = &[
         what: "the link's stream beside all others",
         assumptions: &[16],
         judge: stream,
-        remedy: "compare TRBUFF of DMA1_S2CR with 15.5.5 and ES0392 2.8; if it is set, give the link a stream of DMA2, `open` in uart.rs",
+        remedy: "compare TRBUFF of DMA1_S2CR with RM0433 15.5.5 and ES0392 2.8; if it is set, give the link a stream of DMA2, `open` in hal/src/stm32h743/uart.rs",
     },
     Row {
         what: "USB of the Nucleo answers",
         assumptions: &[27],
         judge: nucleo,
-        remedy: "no device at CN13: compare GCCFG.PWRDWN and VBDEN, GUSBCFG.PHYSEL and FDMOD with 57, `open` in usb.rs",
+        remedy: "no device at CN13: compare GCCFG.PWRDWN and VBDEN, GUSBCFG.PHYSEL and FDMOD with RM0433 57, `open` in hal/src/stm32h743/usb.rs",
     },
     Row {
         what: "the module's crystal starts",
         assumptions: &[28],
         judge: crystal,
-        remedy: "compare RCC_CR.HSEBYP with 8.5.1, the crystal's load with AN2867; `Source` in boards/h743vi_module",
+        remedy: "compare RCC_CR.HSEBYP with RM0433 8.5.1, the crystal's load with AN2867; `Source` in hal/src/stm32h743/wiring.rs and hal/src/stm32h743/boards/h743vi_module",
     },
     Row {
         what: "USB of the module answers without VBUS",
         assumptions: &[29],
         judge: module,
-        remedy: "compare GOTGCTL.BVALOEN and BVALOVAL with 57, `open` in usb.rs; or lead the connector's 5 V to PA9",
+        remedy: "compare GOTGCTL.BVALOEN and BVALOVAL with RM0433 57, `open` in hal/src/stm32h743/usb.rs; or lead the connector's 5 V to PA9",
     },
     Row {
         what: "endpoints of USB that are set again",
         assumptions: &[39],
         judge: endpoints,
-        remedy: "set DOEPCTL.EPENA only after OUT_DONE of the packet before: `read` in usb.rs",
+        remedy: "set DOEPCTL.EPENA only after OUT_DONE of the packet before: `read` in hal/src/stm32h743/usb.rs",
     },
     Row {
         what: "the watchdog while a debugger halts the core",
         assumptions: &[8],
         judge: halt,
-        remedy: "a debugger's halt resets the board: compare WDGLSD1 of DBGMCU_APB4FZ1 with 60.5.8, `freeze_watchdog_in_debug` in \
-            clocks.rs",
+        remedy: "a debugger's halt resets the board: compare WDGLSD1 of DBGMCU_APB4FZ1 with RM0433 60.5.8, `freeze_watchdog_in_debug` in \
+            hal/src/stm32h743/clocks.rs",
     },
     Row {
         what: "the ST-LINK's clock without a host",
@@ -51,14 +52,14 @@ pub const ROWS: &[Row] = &[
         what: "the clock's guard breaks the timers",
         assumptions: &[33],
         judge: clock,
-        remedy: "light would go on for two ticks when the ST-LINK stops: clear MOE first in the NMI's handler, and say so in \
+        remedy: "light would go on for two ticks when the ST-LINK stops: clear MOE first in the NMI's handler (firmware/src/fault.rs), and say so in \
             docs/safety.md",
     },
     Row {
         what: "voltages of an external DAC",
         assumptions: &[38],
         judge: dac,
-        remedy: "halve SCK (SPI_CFG1.MBR in spi.rs), or raise `BETWEEN_NS` in hal/src/dac8563.rs; then the stages behind the DAC",
+        remedy: "halve SCK (SPI_CFG1.MBR in hal/src/stm32h743/spi.rs), or raise `BETWEEN_NS` in hal/src/dac8563.rs; then the stages behind the DAC",
     },
 ];
 
@@ -74,12 +75,13 @@ const PROVES_S: i64 = 600;
 
 /// What a link did: over a UART or over USB, as is asked.
 fn soak(figures: &Figures, by_usb: i64, with: &str) -> Verdict {
-    let lines = figures.each::<4>("soak").unwrap_or_default();
-    let Some([seconds, calls, lost, _]) = lines.into_iter().find(|[.., is_usb]| *is_usb == by_usb) else {
+    let lines = figures.each::<5>("soak").unwrap_or_default();
+    let Some([seconds, calls, lost, _, ended]) = lines.into_iter().find(|[.., is_usb, _]| *is_usb == by_usb) else {
         return option("--loads --soak 60", with);
     };
     let figure = format!("{seconds} s, {calls} calls, {lost} frames lost or damaged");
     match lost {
+        _ if ended != 0 => Verdict::Fail(format!("the link ended (error {ended}) after {figure}")),
         0 if seconds < PROVES_S => Verdict::Figure(format!("{figure}: less than {PROVES_S} s prove nothing")),
         lost => Verdict::of(lost == 0, figure),
     }
@@ -100,7 +102,13 @@ fn answers(figures: &Figures, board: i64) -> Option<(bool, i64)> {
 }
 
 fn answered(calls: i64) -> Verdict {
-    Verdict::of(calls > 0, if calls > 0 { format!("{calls} calls answered") } else { "no answer".to_owned() })
+    let all = i64::from(CALLS);
+    match calls {
+        0 => Verdict::Fail("no answer".to_owned()),
+        calls => {
+            Verdict::of(calls == all, format!("{calls} calls answered") + if calls == all { "" } else { ", then none" })
+        }
+    }
 }
 
 fn nucleo(figures: &Figures) -> Verdict {
@@ -150,7 +158,12 @@ fn halt(figures: &Figures) -> Verdict {
 const UNPLUGGED_MS: i64 = 10_000;
 
 fn unplug(figures: &Figures) -> Verdict {
-    let Some([passed, advanced, fault]) = figures.only("unplug") else { return option("--hands unplug", OWN) };
+    let Some([passed, advanced, fault, was_out]) = figures.only("unplug") else { return option("--hands unplug", OWN) };
+    if was_out == 0 {
+        return Verdict::NotMeasured(
+            "`bring-up --hands unplug` opened its port all the same: the cable was not out".to_owned(),
+        );
+    }
     if advanced < 0 {
         return Verdict::Fail("the board was reset or had no supply".to_owned());
     }

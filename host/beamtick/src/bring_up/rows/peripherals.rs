@@ -3,7 +3,7 @@
 //! The plans of `bring-up/src/lock_up.rs`, `turns.rs` and `spi3.rs`: light has an edge every 1200
 //! counts of 240 MHz, encoders turn by ten lines and back, bytes are 8 bits of 32 MHz.
 use super::captures::{self, JUMPERS, TICK};
-use super::{Row, Verdict, all_of};
+use super::{Row, Verdict, all_parts};
 use crate::bring_up::lines::Figures;
 
 pub const ROWS: &[Row] = &[
@@ -11,21 +11,21 @@ pub const ROWS: &[Row] = &[
         what: "the watchdog's time",
         assumptions: &[35],
         judge: watchdog,
-        remedy: "LSI or the divider is another one: compare PR, RLR and SR of IWDG1 with 44.4, set BITES_AFTER_MS in watchdog.rs \
+        remedy: "LSI or the divider is another one: compare PR, RLR and SR of IWDG1 with RM0433 44.4, set BITES_AFTER_MS in hal/src/stm32h743/watchdog.rs \
             and the times in docs/safety.md",
     },
     Row {
         what: "a locked-up core ends light",
         assumptions: &[5],
         judge: lock_up,
-        remedy: "light lasts until what is queued is over: compare SYSCFG_CFGR.CM7L with 12.3.5, `BREAKS` in clocks.rs, and say so in \
+        remedy: "light lasts until what is queued is over: compare SYSCFG_CFGR.CM7L with RM0433 12.3.5, `BREAKS` in hal/src/stm32h743/clocks.rs, and say so in \
             docs/safety.md",
     },
     Row {
         what: "encoders count four a line, to and fro",
         assumptions: &[36],
         judge: counts,
-        remedy: "compare SMCR.SMS, CCMR1 and the pins' alternate functions with 39.3.19, `open` in encoders.rs",
+        remedy: "compare SMCR.SMS, CCMR1 and the pins' alternate functions with RM0433 39.3.19, `open` in hal/src/stm32h743/encoders.rs",
     },
     Row {
         what: "an index is latched at the delay of A and B",
@@ -33,14 +33,14 @@ pub const ROWS: &[Row] = &[
         judge: index,
         remedy: "first the gap, which is a guess: D50 and D65 by a scope, 10 to 30 ns between their edges. Another gap: change the count \
             of `nop` in `index_beside` of bring-up/src/turns.rs, measure anew. That gap: homes differ by a count by direction; \
-            give the index the filter of A and B (ICxF, 39.3.5), `open` in encoders.rs",
+            give the index the filter of A and B (ICxF, RM0433 39.3.5), `open` in hal/src/stm32h743/encoders.rs",
     },
     Row {
         what: "a byte of SPI3",
         assumptions: &[37],
         judge: spi3,
-        remedy: "the external DAC would get another clock: compare RCC_D2CCIP1R.SPI123SEL and CKPERSEL with 8.7.19, SPI_CFG1.MBR and \
-            CFG2 with 50.11, `open` in spi.rs",
+        remedy: "the external DAC would get another clock: compare RCC_D2CCIP1R.SPI123SEL and CKPERSEL with RM0433 8.7.19, SPI_CFG1.MBR and \
+            CFG2 with RM0433 50.11, `open` in hal/src/stm32h743/spi.rs",
     },
 ];
 
@@ -69,7 +69,7 @@ fn lock_up(figures: &Figures) -> Verdict {
         if *before == 0 || captures::not_right(figures, jumper).is_some() {
             match captures::no_edges(figures, name, jumper) {
                 Verdict::Fail(how) => wrong.push(format!("laser {laser}: {how}")),
-                verdict => missing.push(verdict),
+                verdict => missing.push((format!("laser {laser}"), verdict)),
             }
             continue;
         }
@@ -81,10 +81,7 @@ fn lock_up(figures: &Figures) -> Verdict {
             more => wrong.push(format!("laser {laser}: {} edges after it", more.len())),
         }
     }
-    match missing.into_iter().next() {
-        Some(verdict) if good.is_empty() && wrong.is_empty() => verdict,
-        _ => all_of(wrong, &good.join(", ")),
-    }
+    all_parts(wrong, &good.join(", "), missing)
 }
 
 /// Jumpers of A, B and the index.
@@ -97,7 +94,7 @@ pub fn missing_jumpers(figures: &Figures) -> Vec<usize> {
     ENCODER_JUMPERS.into_iter().enumerate().filter(|(n, _)| !is_there(*n)).map(|(_, jumper)| jumper).collect()
 }
 
-/// Each timer whose ends of this mask follow, by `judge`, which gives what is wrong and the figure.
+/// Both timers, if the ends of this mask follow, by `judge`: whether it holds, and the figure.
 fn of_timers<const N: usize>(
     figures: &Figures,
     name: &str,
@@ -107,19 +104,19 @@ fn of_timers<const N: usize>(
     let (Some(ends), Some(lines)) = (figures.each::<4>("encoder"), figures.each::<N>(name)) else {
         return Verdict::missing(name);
     };
-    let (mut wrong, mut good) = (Vec::new(), Vec::new());
-    for ([_, follow, ..], line) in ends.into_iter().zip(lines) {
+    let (mut wrong, mut good, mut missing) = (Vec::new(), Vec::new(), Vec::new());
+    for ([timer, follow, ..], line) in ends.into_iter().zip(lines) {
         if follow & mask == mask {
             let (holds, figure) = judge(line);
             if holds { good.push(figure) } else { wrong.push(figure) }
+        } else {
+            let jumpers = ENCODER_JUMPERS.into_iter().enumerate().filter(|(n, _)| (mask & !follow) >> n & 1 == 1);
+            let named: Vec<String> = jumpers.map(|(_, jumper)| format!("{jumper} ({})", JUMPERS[jumper - 1])).collect();
+            let why = Verdict::NotMeasured(format!("its end of jumper {} is missing", named.join(", ")));
+            missing.push((format!("TIM{timer}"), why));
         }
     }
-    if good.is_empty() && wrong.is_empty() {
-        let jumpers = ENCODER_JUMPERS.into_iter().enumerate().filter(|(n, _)| mask >> n & 1 == 1);
-        let named: Vec<String> = jumpers.map(|(_, jumper)| format!("{jumper} ({})", JUMPERS[jumper - 1])).collect();
-        return Verdict::NotMeasured(format!("one of jumpers {} is missing", named.join(", ")));
-    }
-    all_of(wrong, &good.join("; "))
+    all_parts(wrong, &good.join("; "), missing)
 }
 
 fn counts(figures: &Figures) -> Verdict {
@@ -173,4 +170,36 @@ fn spi3(figures: &Figures) -> Verdict {
         holds,
         format!("{byte:.0} cycles, of {BYTE_CYCLES}; the first comes after {one}; CPHA {phase}, CPOL {polarity}"),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A locked-up core at laser 0 alone, or at both: the row passes for both only.
+    #[test]
+    fn a_laser_that_was_not_measured_leaves_the_row_unsettled() {
+        let mut figures = Figures::default();
+        for line in [[1, 1], [2, 0], [6, 32]] {
+            figures.add("wire", line.to_vec());
+        }
+        figures.add("lock-up-0", vec![100, 1, 50, 120]);
+        figures.add("lock-up-1", vec![100, 0]);
+        let why = "laser 1: jumper 2 (D58–D23) is missing; measured: laser 0 dark 20 counts after it";
+        assert_eq!(lock_up(&figures), Verdict::NotMeasured(why.to_owned()));
+    }
+
+    #[test]
+    fn an_encoder_that_was_not_measured_leaves_the_row_unsettled() {
+        let mut figures = Figures::default();
+        figures.add("encoder", vec![3, 0b111, 40, -40]);
+        figures.add("encoder", vec![4, 0b001, 0, 0]);
+        let why = "TIM4: its end of jumper 11 (D64–D11, D28) is missing; measured: TIM3 40, then -40, of 40 and -40";
+        assert_eq!(counts(&figures), Verdict::NotMeasured(why.to_owned()));
+        // What is wrong counts all the same.
+        let mut figures = Figures::default();
+        figures.add("encoder", vec![3, 0b111, 20, -40]);
+        figures.add("encoder", vec![4, 0b001, 0, 0]);
+        assert!(matches!(counts(&figures), Verdict::Fail(_)));
+    }
 }

@@ -38,7 +38,7 @@ pub const ROWS: &[Row] = &[
         what: "steps of 1 MHz beside the shortest cycles",
         assumptions: &[10],
         judge: steps,
-        remedy: "DMA2 has no time left: set STEP_WIDTH_NS to 1000 in settings.rs",
+        remedy: "DMA2 has no time left: set STEP_WIDTH_NS to 1000 in hal/src/stm32h743/settings.rs",
     },
 ];
 
@@ -113,7 +113,11 @@ fn judged(figures: &Figures, which: usize, lines: &[(&str, &str, usize)]) -> Ver
         return missing;
     }
     let [least, more] = [least[which], least[which] + MORE];
-    all_of(wrong, &format!("{count} edges of cycles of {least} and {more} counts, {most} counts off at most"))
+    let link = if figures.only("short-link") == Some([1]) { "busy" } else { "idle" };
+    let good = format!(
+        "{count} edges of cycles of {least} and {more} counts, {most} counts off at most; the link's stream {link}"
+    );
+    all_of(wrong, &good)
 }
 
 fn energies(figures: &Figures) -> Verdict {

@@ -1,0 +1,83 @@
+//! The bring-up image off its bench, and after a lock-up that did not come; the page that docs
+//! show. The image that BEAMTICK_H743_BRING_UP names.
+use super::{board, measure, rows};
+use h743::link::lock;
+use h743::{MILLISECOND, Pin};
+
+/// Other wires close the interlock, as in a machine: no laser line goes to light, and no axis
+/// steps, not even while jumpers are looked for.
+#[test]
+fn off_its_bench_nothing_lights_or_steps() {
+    let Some(board) = board(&[], &[6]) else { return };
+    let pin = |name: &str| Pin::named(name).unwrap();
+    for name in ["PE15", "PE3", "PG2"] {
+        lock(&board).drive(pin(name), Some(false));
+    }
+    let (outcome, page) = measure(&board);
+    assert!(outcome.is_ok(), "{outcome:?}\n{page}");
+    assert_eq!(rows(&page)["break flag and level of each timer"], ("pass", "flag as the pin, low"));
+    assert_eq!(rows(&page)["first edges after their tick"].0, "not measured");
+    // Lines + are lit while they are low. Lines − show 8 ns of that at each break, as
+    // docs/safety.md says; steps are high.
+    let lit = ["PE9", "PE5", "PC7", "PC8"].map(|name| (name, false));
+    let steps = ["PF8", "PF9", "PF10", "PF11", "PF12", "PF13"].map(|name| (name, true));
+    let active: Vec<_> = lit.into_iter().chain(steps).map(|(name, level)| (pin(name), level)).collect();
+    let machine = lock(&board);
+    let changes = machine.chip.bus.gpio.changes.iter();
+    let wrong: Vec<_> = changes
+        .filter(|change| {
+            active.iter().any(|(pin, level)| change.pin == *pin && change.level == h743::Level::Driven(*level))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
+    assert_eq!(machine.chip.bus.complaints, Vec::<String>::new());
+}
+
+/// What a lock-up has left is not taken for that of a later one which did not come.
+#[test]
+fn a_lock_up_that_did_not_come_shows_nothing_of_the_one_before() {
+    let Some(board) = board(&[], &[]) else { return };
+    let (_, page) = measure(&board);
+    assert_eq!(rows(&page)["the watchdog's time"].0, "pass");
+    {
+        let mut machine = lock(&board);
+        machine.run(50 * MILLISECOND);
+        let resets = machine.resets.len();
+        machine.send(b"go\n");
+        while machine.resets.len() < resets + 2 {
+            machine.run(MILLISECOND);
+        }
+        machine.run(50 * MILLISECOND);
+        // The words are cleared by then; the core locks up once it has seen 24 ticks.
+        machine.send(b"go\n");
+        machine.run(MILLISECOND);
+        assert_eq!(machine.resets.len(), resets + 2);
+        machine.reset(h743::Cause::Software);
+        machine.run(50 * MILLISECOND);
+    }
+    let (_, page) = measure(&board);
+    for (row, line) in [("the watchdog's time", "watchdog"), ("a locked-up core ends light", "lock-up-0")] {
+        let why = format!("the board sent no `{line}`");
+        assert_eq!(rows(&page)[row], ("not measured", why.as_str()));
+    }
+}
+
+/// The page that docs show: `BEAMTICK_WRITE=1` writes it. Its rows and results are those of now;
+/// figures that depend on the build are not compared.
+#[test]
+fn the_example_page_is_what_the_emulated_chip_gives() {
+    let Some(board) = board(&[], &[]) else { return };
+    let (_, page) = measure(&board);
+    println!("{} ms of the chip", lock(&board).chip.now / MILLISECOND);
+    let name = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/bring-up-page.md");
+    if std::env::var_os("BEAMTICK_WRITE").is_some() {
+        let (title, rest) = page.split_once("\n\n").unwrap();
+        let note =
+            "An example of [bring-up](bring-up.md): the emulated chip with all jumpers. No board has been measured.";
+        std::fs::write(name, format!("{title}\n\n{note}\n\n{rest}")).unwrap();
+    }
+    let example = std::fs::read_to_string(name).unwrap();
+    let results =
+        |page: &str| rows(page).into_iter().map(|(row, (result, _))| format!("{row}: {result}")).collect::<Vec<_>>();
+    assert_eq!(results(&example), results(&page));
+}
