@@ -75,6 +75,17 @@ pub enum Failure {
     Interrupted(Signal, String),
 }
 
+impl Failure {
+    /// With more at the end of its text.
+    fn with(self, more: &str) -> Failure {
+        match self {
+            Failure::Job(text) => Failure::Job(text + more),
+            Failure::Input(text) => Failure::Input(text + more),
+            Failure::Interrupted(signal, text) => Failure::Interrupted(signal, text + more),
+        }
+    }
+}
+
 impl From<client::Error> for Failure {
     fn from(error: client::Error) -> Self {
         Failure::Job(format!("error {}: {error}", error.code))

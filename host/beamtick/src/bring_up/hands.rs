@@ -13,10 +13,17 @@ use std::io::BufRead;
 use std::path::Path;
 use std::time::Instant;
 
+/// More than any analog output gives.
+const VOLTS_MAX: f64 = 100.0;
+
 /// Somebody at the board.
 pub trait Hands {
     /// The link, opened anew: a cable may have been out.
     fn link(&mut self) -> Result<Box<dyn Link>, Failure>;
+    /// Whether the link's port is gone.
+    fn is_out(&mut self) -> bool {
+        self.link().is_err()
+    }
     /// Says what to do, and returns the line that is typed once it is done.
     fn ask(&mut self, what: &str) -> Result<String, Failure>;
     /// Time, in ms from anywhere.
@@ -39,6 +46,11 @@ impl<'a> Terminal<'a> {
 impl Hands for Terminal<'_> {
     fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
         Ok(client::link::open(self.link)?)
+    }
+
+    fn is_out(&mut self) -> bool {
+        // A port that another program has open is there.
+        client::link::is_missing(self.link)
     }
 
     fn ask(&mut self, what: &str) -> Result<String, Failure> {
@@ -89,12 +101,12 @@ fn halt(hands: &mut dyn Hands, what: &str) -> Result<Figures, Failure> {
     Ok(figures)
 }
 
-/// The same, and whether the cable was out: its port cannot be opened then.
+/// The same, and whether the cable was out: its port is gone then.
 fn unplug(hands: &mut dyn Hands) -> Result<Figures, Failure> {
     let mut was_out = false;
     let (mut figures, line) = through(hands, |hands| {
-        hands.ask("Supply the board by VIN (JP2). Unplug CN1 now. Then press Enter.")?;
-        was_out = hands.link().is_err();
+        hands.ask("The board must have its supply at VIN (JP2) already. Unplug CN1 now. Then press Enter.")?;
+        was_out = hands.is_out();
         if was_out {
             hands.ask("Wait for a minute, and plug CN1 in again. Once its port is there, press Enter.")?;
         }
@@ -134,11 +146,14 @@ fn clock(hands: &mut dyn Hands) -> Result<Figures, Failure> {
     if lit.only::<3>("lit") != Some([1; 3]) {
         return Err(Failure::Job("there is no light: jumper 6 (docs/bring-up.md) is missing".to_owned()));
     }
-    hands.ask(
-        "Both lasers are lit. Hold the ST-LINK in reset for a second (its NRST, T_NRST, to GND), the board supplied by VIN (JP2). \
-         Then press Enter.",
-    )?;
-    measure(&mut *hands.link()?, b"why\n")
+    let mut goes_on = || {
+        hands.ask(
+            "Both lasers are lit. Hold the ST-LINK in reset for a second by its own NRST (T_NRST is the STM32H743's). \
+             Then press Enter.",
+        )?;
+        measure(&mut *hands.link()?, b"why\n")
+    };
+    goes_on().map_err(|failure| failure.with(". Both lasers may be lit for five minutes: press B2 at the board"))
 }
 
 /// Voltages of both outputs, by a meter.
@@ -158,8 +173,9 @@ fn dac(hands: &mut dyn Hands) -> Result<Figures, Failure> {
             for volts in [0, 5, 10] {
                 set(output, volts)?;
                 let said = hands.ask(&format!("Measure analog output {output}. How many volts?"))?;
-                let Ok(is) = said.trim_end_matches(['V', 'v', ' ']).replace(',', ".").parse::<f64>() else {
-                    return Err(Failure::Input(format!("--hands: {said} is no voltage")));
+                let is = said.trim_end_matches(['V', 'v', ' ']).replace(',', ".").parse::<f64>().ok();
+                let Some(is) = is.filter(|volts| volts.abs() <= VOLTS_MAX) else {
+                    return Err(Failure::Input(format!("--hands: {said} is no voltage up to {VOLTS_MAX} V")));
                 };
                 figures.add("dac", vec![output.into(), volts * 1000, (is * 1e3).round() as i64]);
             }
@@ -194,6 +210,53 @@ mod tests {
         fn now_ms(&mut self) -> i64 {
             0
         }
+    }
+
+    /// A board that says these lines, whatever is sent to it, and a hand that goes away.
+    struct Lit(&'static [u8]);
+
+    impl Link for Lit {
+        fn name(&self) -> &str {
+            "lit"
+        }
+        fn send(&mut self, _: &[u8]) -> client::Result<()> {
+            Ok(())
+        }
+        fn receive(&mut self, buf: &mut [u8], _: std::time::Duration) -> client::Result<usize> {
+            let now = std::mem::take(&mut self.0);
+            buf[..now.len()].copy_from_slice(now);
+            Ok(now.len())
+        }
+        fn now(&mut self) -> u64 {
+            0
+        }
+    }
+
+    struct GoesAway(&'static [u8]);
+
+    impl Hands for GoesAway {
+        fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
+            Ok(Box::new(Lit(self.0)))
+        }
+        fn ask(&mut self, _: &str) -> Result<String, Failure> {
+            Err(Failure::Input("--hands: the standard input has ended".to_owned()))
+        }
+        fn now_ms(&mut self) -> i64 {
+            0
+        }
+    }
+
+    /// Whoever leaves a board whose lasers are lit is told how to end the light.
+    #[test]
+    fn a_hand_that_goes_away_under_light_is_told_of_it() {
+        let line = |text: &str| format!("{text}*{:02X}\r\n", text.bytes().fold(0, |all, byte| all ^ byte));
+        let lines: String = ["format 2", "lit 1 1 1", "end 2"].map(line).concat();
+        let mut hands = GoesAway(String::leak(lines).as_bytes());
+        let Err(Failure::Input(text)) = with(&mut hands, ByHand::Clock, None) else { panic!("it went on") };
+        assert!(
+            text.contains("has ended. Both lasers may be lit") && text.ends_with("press B2 at the board"),
+            "{text}"
+        );
     }
 
     /// Nobody is asked to do anything at another board.

@@ -50,7 +50,7 @@ const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image: `c
     out/beamtick-bring-up-VERSION.hex onto the board's drive; press B2, try again. The link is the ST-LINK's port with its rate, \
     3000000. LD3 (red) alone: the image refuses the chip, which is no STM32H743 of revision X or V (assumption 6)";
 const NO_OWN_IMAGE: &str = "This wants the board's own image, and maybe the bring-up image runs: `cargo flash-board`, or copy \
-    out/beamtick-h743-VERSION.hex onto the board's drive. The link is the ST-LINK's port with its rate, 3000000";
+    out/beamtick-h743-VERSION.hex (`cargo xtask image`) onto the board's drive. The link is the ST-LINK's port with its rate, 3000000";
 /// What is said where a signal ends the program at once.
 const CUT: &str = "bring-up was cut short: the page is as it was. Press B2 at the board, then give the command again";
 

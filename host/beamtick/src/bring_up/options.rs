@@ -26,7 +26,7 @@ pub enum AnsweringBoard {
 /// What a hand does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ByHand {
-    /// A debugger halts the core for a second; the board's own image.
+    /// A debugger halts the core for two seconds; the board's own image.
     Halt,
     /// The Nucleo is supplied by VIN, and CN1 is unplugged for a minute; the board's own image.
     Unplug,

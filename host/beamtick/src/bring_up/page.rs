@@ -42,11 +42,7 @@ pub fn write(name: Option<&Path>, make: impl FnOnce(&str) -> Result<(String, Str
             if !before.is_empty() {
                 kept += &format!("\n{} is as it was.", name.display());
             }
-            Err(match failure {
-                Failure::Job(text) => Failure::Job(text + &kept),
-                Failure::Input(text) => Failure::Input(text + &kept),
-                Failure::Interrupted(signal, text) => Failure::Interrupted(signal, text + &kept),
-            })
+            Err(failure.with(&kept))
         }
     }
 }

@@ -15,7 +15,7 @@ pub const ROWS: &[Row] = &[
         what: "USB of the Nucleo answers",
         assumptions: &[27],
         judge: nucleo,
-        remedy: "no device at CN13: compare GCCFG.PWRDWN and VBDEN, GUSBCFG.PHYSEL and FDMOD with RM0433 57, `open` in hal/src/stm32h743/usb.rs",
+        remedy: "is the port's name right? If there is no device at CN13: compare GCCFG.PWRDWN and VBDEN, GUSBCFG.PHYSEL and FDMOD with RM0433 57, `open` in hal/src/stm32h743/usb.rs",
     },
     Row {
         what: "the module's crystal starts",
