@@ -173,10 +173,13 @@ fn dac(hands: &mut dyn Hands) -> Result<Figures, Failure> {
             for volts in [0, 5, 10] {
                 set(output, volts)?;
                 let said = hands.ask(&format!("Measure analog output {output}. How many volts?"))?;
-                let is = said.trim_end_matches(['V', 'v', ' ']).replace(',', ".").parse::<f64>().ok();
-                let Some(is) = is.filter(|volts| volts.abs() <= VOLTS_MAX) else {
-                    return Err(Failure::Input(format!("--hands: {said} is no voltage up to {VOLTS_MAX} V")));
+                let Ok(is) = said.trim_end_matches(['V', 'v', ' ']).replace(',', ".").parse::<f64>() else {
+                    return Err(Failure::Input(format!("--hands: {said} is no voltage")));
                 };
+                // NaN is within no bound.
+                if !(-VOLTS_MAX..=VOLTS_MAX).contains(&is) {
+                    return Err(Failure::Input(format!("--hands: {said} is beyond {VOLTS_MAX} V")));
+                }
                 figures.add("dac", vec![output.into(), volts * 1000, (is * 1e3).round() as i64]);
             }
             set(output, 0)?;
