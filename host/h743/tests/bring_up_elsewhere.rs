@@ -246,20 +246,26 @@ fn voltages_of_an_external_dac_are_typed_and_judged() {
     }
 }
 
-/// An answer that is no number ends the program, and leaves no voltage.
+/// An answer that is no voltage ends the program, and leaves none.
 #[test]
 fn an_answer_that_is_no_voltage_leaves_the_outputs_at_0() {
+    for (answer, why) in [("much", "is no voltage"), ("nan", "is beyond 100 V"), ("-1e30", "is beyond 100 V")] {
+        answered_with(answer, why);
+    }
+}
+
+fn answered_with(answer: &'static str, why: &str) {
     let Some(board) = started("BEAMTICK_H743_DAC_IMAGE", NUCLEO, None) else { return };
     let does = |machine: &mut Machine, _: &str| {
         machine.run(5 * MILLISECOND);
         let high = shown_up_to(&machine.chip, pin("PC11"), 50).iter().any(|(.., code)| *code > MID_SCALE);
-        if high { "much".to_owned() } else { "0 V".to_owned() }
+        if high { answer.to_owned() } else { "0 V".to_owned() }
     };
     let mut hands = Script::new(&board, does);
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("page.md");
     let failed = bring_up_by_hand(&mut hands, &["--hands", "dac", "--page", page.to_str().unwrap()]).unwrap_err();
-    assert!(matches!(failed, Failure::Input(said) if said == "--hands: much is no voltage"));
+    assert!(matches!(failed, Failure::Input(said) if said == format!("--hands: {answer} {why}")));
     let mut board = lock(&board);
     board.run(5 * MILLISECOND);
     let shown = shown_up_to(&board.chip, pin("PC11"), 50);
@@ -317,25 +323,35 @@ fn a_board_that_answers_settles_its_rows_and_a_silent_one_fails_them() {
     }
 }
 
-/// Frames that a link loses under load fail the row of that link; a short run without any proves
-/// nothing.
+const STREAM: &str = "the link's stream beside all others";
+const ENDPOINTS: &str = "endpoints of USB that are set again";
+
+/// The result of a soak's row, of a second over this link. A test for each, so that they run side
+/// by side: each measures all loads before.
+fn soaked(usb: bool, row: &str, wrong: Option<Wrong>, result: &str) {
+    let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, wrong) else { return };
+    if usb {
+        plugged(&board);
+    }
+    let link = if usb { EmulatedLink::over_usb(board.clone()) } else { EmulatedLink::new(board.clone()) };
+    let (is, figure) = row_of(row, |page| bring_up_over(Box::new(link), &["--loads", "--soak", "1s", "--page", page]));
+    assert_eq!(is, result, "{wrong:?}: {figure}");
+    assert!(figure.starts_with("1 s, "), "{figure}");
+}
+
+/// A short run without any lost frame proves nothing.
+#[test]
+fn a_link_that_loses_no_frame_in_a_second_is_a_figure() {
+    soaked(false, STREAM, None, "figure");
+}
+
+/// Frames that a link loses under load fail the row of that link.
 #[test]
 fn a_link_that_loses_frames_under_load_fails_its_row() {
-    const STREAM: &str = "the link's stream beside all others";
-    const ENDPOINTS: &str = "endpoints of USB that are set again";
-    for (usb, row, wrong, result) in [
-        (false, STREAM, None, "figure"),
-        (false, STREAM, Some(Wrong::SpoiltBytes), "**FAIL**"),
-        (true, ENDPOINTS, Some(Wrong::SpoiltPackets), "**FAIL**"),
-    ] {
-        let Some(board) = started("BEAMTICK_H743_IMAGE", NUCLEO, wrong) else { return };
-        if usb {
-            plugged(&board);
-        }
-        let link = if usb { EmulatedLink::over_usb(board.clone()) } else { EmulatedLink::new(board.clone()) };
-        let (is, figure) =
-            row_of(row, |page| bring_up_over(Box::new(link), &["--loads", "--soak", "1s", "--page", page]));
-        assert_eq!(is, result, "{wrong:?}: {figure}");
-        assert!(figure.starts_with("1 s, "), "{figure}");
-    }
+    soaked(false, STREAM, Some(Wrong::SpoiltBytes), "**FAIL**");
+}
+
+#[test]
+fn usb_that_loses_packets_under_load_fails_its_row() {
+    soaked(true, ENDPOINTS, Some(Wrong::SpoiltPackets), "**FAIL**");
 }
