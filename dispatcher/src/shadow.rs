@@ -503,10 +503,12 @@ impl<const AXES: usize> Shadows<AXES> {
             ShadowChange::FollowMemory { axis, memory } => one(axis, &|shadow| {
                 shadow.follow.memory = memory;
                 shadow.follow.empty_both(seq);
+                shadow.leaving = shadow.busy;
                 shadow.invalid = 0;
             }),
             ShadowChange::FollowEmptied { axis, fifo } => one(axis, &|shadow| {
                 shadow.follow.empty(fifo, seq);
+                shadow.leaving = shadow.busy;
                 shadow.invalid &= !(1 << (fifo & 1));
             }),
             ShadowChange::FollowData { axis, fifo, cleared, data } => one(axis, &|shadow| {

@@ -29,8 +29,13 @@ fn set_up() -> Vec<Entry> {
 
 /// An even segment of 1000 pulses with the ratio 1.
 fn data(fifo: i16) -> Entry {
+    data_to(1000, fifo)
+}
+
+/// The same, up to this position of the master.
+fn data_to(end: i32, fifo: i16) -> Entry {
     let (core, profile) = (CORE.into(), 2.into());
-    let (master_segment, slave_segment) = (1000.into(), 1000.0.into());
+    let (master_segment, slave_segment) = (end.into(), f64::from(end).into());
     entry(FollowData { core, profile, master_segment, slave_segment, kind: 1.into(), fifo: fifo.into() })
 }
 
@@ -98,6 +103,21 @@ fn what_follows_a_follow_start_at_its_instant_is_in_time() {
     entries.push(entry(sleep(11)));
     // 5 pulses in the first ms, then 10 a ms.
     assert_eq!(run(entries), (0, 105.0));
+}
+
+/// What empties a FIFO at rest, a start after it, and data after that: the start reads new data.
+#[test]
+fn data_after_a_start_of_what_was_cleared_is_in_time() {
+    let (core, profile) = (CORE.into(), 2.into());
+    let clear = || entry(FollowClear { core, profile, fifo: 0.into() });
+    let mut entries = set_up();
+    entries.extend([clear(), data(0), follow_start(), data_to(2000, 0), update(), entry(sleep(250))]);
+    // Both segments: 2495 pulses of the master.
+    assert_eq!(run(entries), (0, 2000.0));
+    let mut entries = set_up();
+    entries.extend([follow_start(), update(), entry(sleep(11)), stop(1, 0), stop(2, 2), entry(wait_stop(1))]);
+    entries.extend([entry(wait_stop(2)), clear(), data(0), follow_start(), data_to(2000, 0), entry(sleep(5))]);
+    assert_eq!(run(entries).0, 0, "after a motion");
 }
 
 #[test]

@@ -122,7 +122,7 @@ reasons! {
     82 MasterCycle State None "axis {axis} would follow itself by way of axis {got} of core {low}";
     83 MasterType Range None "{field} is {got}; allowed are 1, 2, 3, and in a profile of two cores 101 and 103";
     84 DirectionDiffers State None "axis {axis} is in this mode with direction {got}; set another mode first";
-    85 NotRunning State None "axis {axis} is not running; a switch is for an axis that follows";
+    85 NotRunning State None "axis {axis} is not running, or is being stopped; a switch is for an axis that follows";
     86 MasterOrder Range Motion "{field} is {got}; it must lie beyond {low}, that of the segment before";
     87 MixedSigns Range Motion "{field} is {got}; all master positions of a FIFO have one sign, and the first has that of {low}";
     88 NegativeProgress Range None "{field} is {got}; an axis that follows in direction +1 takes positive master positions only";

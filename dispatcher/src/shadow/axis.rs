@@ -56,7 +56,8 @@ pub struct AxisShadow {
     /// FIFOs (a bit each) whose data is being overwritten, though what emptied them is not
     /// executed.
     pub invalid: u8,
-    /// The start whose data that entry may have dropped, until a view shows the axis at standstill.
+    /// The start whose data that entry, or one that emptied a FIFO of Follow, may have dropped, until
+    /// a view shows the axis at standstill.
     pub leaving: Option<u32>,
     /// Stop decelerations, pulse/ms².
     pub dec: (f64, f64),
@@ -124,14 +125,11 @@ impl AxisShadow {
     }
     /// As [`AxisShadow::is_outgoing`], of a FIFO of Follow.
     pub fn is_follow_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView, fifo: u8) -> bool {
-        // A mode is set at standstill: a start after it reads the new data.
-        let in_order = |first: u32, last: u32| (first ^ last) & PROGRAM_FLAG == 0 && is_up_to(first, last);
-        let emptied = self.follow.emptied(fifo).zip(self.emptied);
-        let busy = if emptied.is_some_and(|(fifo, axis)| in_order(fifo, axis)) {
-            axis.status & RUNNING != 0 || is_in_flight(view, self.leaving)
-        } else {
-            self.is_busy(view, axis)
-        };
+        // A start of its lane after what empties the FIFO reads the new data.
+        let in_order = |(emptied, start): (u32, u32)| (emptied ^ start) & PROGRAM_FLAG == 0;
+        let before =
+            if self.follow.emptied(fifo).zip(self.busy).is_some_and(in_order) { self.leaving } else { self.busy };
+        let busy = axis.status & RUNNING != 0 || is_in_flight(view, before);
         // The tick is known to run the other FIFO. With a start in flight, one before it may be in
         // flight, too.
         let idle = self.busy.is_none_or(|seq| executed(view, seq)) && axis.fifo != fifo && !self.may_switch(view, axis);

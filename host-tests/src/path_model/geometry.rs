@@ -63,7 +63,8 @@ impl Geometry {
         let chord = (to.0 - from[first], to.1 - from[second]);
         let half = chord.0.hypot(chord.1) / 2.0;
         let r = radius.abs();
-        if half == 0.0 || half > r {
+        // A radius that is no number is too small as well.
+        if half == 0.0 || half.partial_cmp(&r).is_none_or(std::cmp::Ordering::is_gt) {
             return None;
         }
         // From the middle of the chord to the centre; (r − half)(r + half) loses nothing to

@@ -101,7 +101,22 @@ fn a_switch_after_a_stop_says_that_the_axis_does_not_run() {
          GT_PrfFollowEx(2, 0); GT_SetFollowMasterEx(2, 1, 2, 0); GT_FollowDataPercentEx(2, 100, 100, 0, 0, 0);
          GT_FollowDataPercentEx(2, 100, 100, 0, 0, 1);
          GT_FollowStartEx(2); Sleep(5); GT_Stop(2, 0); Sleep(50); rtn = GT_FollowSwitchNowEx(2, 2);");
-    assert_eq!(refused, ["FollowSwitchNowEx returned 1: axis 2 is not running; a switch is for an axis that follows"]);
+    let text = "returned 1: axis 2 is not running, or is being stopped; a switch is for an axis that follows";
+    assert_eq!(refused, [format!("FollowSwitchNowEx {text}")]);
+    // At the instant of a Stop or an Abort, and while the axis brakes.
+    for stop in ["GT_Stop(2, 0);", "GT_Abort();", "GT_Stop(2, 0); Sleep(3);"] {
+        for switch in ["FollowSwitchEx(2)", "FollowSwitchNowEx(2, 1)", "FollowSwitchNowEx(2, 2)"] {
+            let (refused, _) = run(&format!(
+                "TJogPrm jog = {{0}}; jog.acc = 1; jog.dec = 1; GT_PrfJog(1); GT_SetJogPrm(1, &jog); GT_SetVel(1, 5);
+                 GT_SetStopDec(2, 0.1, 1); GT_PrfFollowEx(2, 0); GT_SetFollowMasterEx(2, 1, 2, 0);
+                 GT_FollowDataPercentEx(2, 1000, 1000, 0, 0, 0); GT_FollowDataPercentEx(2, 2000, 2000, 0, 0, 0);
+                 GT_FollowDataPercentEx(2, 100, 100, 0, 0, 1);
+                 GT_FollowStartEx(2); GT_Update(1); Sleep(50); {stop} rtn = GT_{switch};"
+            ));
+            let name = switch.split('(').next().unwrap();
+            assert_eq!(refused, [format!("{name} {text}")], "{stop}");
+        }
+    }
 }
 
 /// A table goes in many messages, and each of them is refused. It is one call.

@@ -86,9 +86,11 @@ impl AxisState {
         });
     }
 
-    /// Whether there is nothing to switch to.
-    pub(crate) fn refuses_switch(&self) -> bool {
-        self.follower().is_none_or(|follower| self.follow.is_empty(follower.run.fifo ^ 1))
+    /// Whether a switch to the next segment, or with `table` to the other FIFO, must not act: it
+    /// does not follow, is being stopped, or has nothing to switch to.
+    pub(crate) fn refuses_switch(&self, table: bool) -> bool {
+        self.follower()
+            .is_none_or(|follower| follower.braking.is_some() || table && self.follow.is_empty(follower.run.fifo ^ 1))
     }
 
     /// The other FIFO takes over when the present pass ends.

@@ -216,14 +216,13 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             TickCommand::FollowSwitch { axes } => {
-                if !self.refused(lane, entry.seq, axes, hand_overs, |_, state| state.refuses_switch()) {
+                if !self.refused(lane, entry.seq, axes, hand_overs, |_, state| state.refuses_switch(true)) {
                     self.each(axes, |_, state| state.switch());
                 }
             }
             TickCommand::FollowSwitchNow { axis, method } => {
                 let table = method == Method::Table;
-                let forbids = |state: &AxisState| if table { state.refuses_switch() } else { !state.follows() };
-                if !self.refused(lane, entry.seq, axis.mask(), hand_overs, |_, state| forbids(state)) {
+                if !self.refused(lane, entry.seq, axis.mask(), hand_overs, |_, state| state.refuses_switch(table)) {
                     self.one(axis, |state| state.switch_now(method));
                 }
             }

@@ -33,6 +33,7 @@ impl<const AXES: usize> Reading<'_, AXES> {
             _ if status & SERVO_ON == 0 => (Reason::ServoOff, status.into()),
             Some(limit) => limit,
             None if blocked => (latched(causes), status.into()),
+            None if switches && status & RUNNING != 0 => (Reason::NotRunning, 0.0),
             None if status & RUNNING != 0 => (Reason::Moving, status.into()),
             // A ClrSts has come between: it was latched then.
             None if status & (FAULTS | LIMIT_POSITIVE | LIMIT_NEGATIVE) != 0 => (latched(status), status.into()),

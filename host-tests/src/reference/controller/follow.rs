@@ -176,16 +176,11 @@ impl Controller {
     pub(super) fn follow_switch_now(&mut self, place: usize, table: bool) -> Answer {
         let axis = &self.axes[place];
         check(axis.mode == Mode::FollowEx && axis.runs())?;
-        let Some(Motion::Slave(slave)) = &axis.motion else {
-            self.open = Some("SwitchNow while the axis brakes");
-            return DONE;
-        };
+        let Some(Motion::Slave(slave)) = &axis.motion else { return Err(1) };
         if axis.began || slave.now.is_some() {
             self.open = Some("two switches at one instant");
         }
-        if self.then[place].is_some() {
-            self.open = Some("SwitchNow and Stop at one instant");
-        }
+        check(self.then[place].is_none())?;
         check(!table || !axis.follow.fifos[slave.fifo ^ 1].is_empty())?;
         if let Some(Motion::Slave(slave)) = &mut self.axes[place].motion {
             slave.now = Some(table);

@@ -4,7 +4,7 @@ mod step;
 use super::super::axis::Axis;
 use super::super::axis::{Mode, Why};
 use super::super::call::{Call, members};
-use super::super::crd::{CAPACITY, Crd, Entry, Move, Rest, Set, World};
+use super::super::crd::{CAPACITY, Crd, Entry, Fifo, Move, Rest, Set, World};
 use super::super::light::{Act, Command, OTHER, UNDERRUN};
 use super::super::number::Fix;
 use super::super::path::{Cycle, Path, PathCall, Speeds};
@@ -301,8 +301,8 @@ impl Controller {
             self.open = Some("a motion whose begin an axis has left, or a Stop of this instant decides");
         }
         let goes_on = of.started_here && of.goes_on;
-        if is_arc && (self.unsettled != 0 || goes_on) && of.fifos[fifo].begins().is_none() {
-            // An arc needs to know where it begins: docs/crd.md.
+        if is_arc && (self.unsettled != 0 || goes_on) && !of.fifos[fifo].ends_anew() {
+            // An arc needs to know where it begins, motions may be left or not: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
         }
         let ended = (of.hidden || of.why == Some(Why::Interlock)) && of.fifos[fifo].begins().is_none();
@@ -501,6 +501,7 @@ impl Controller {
         (self.unsettled, self.still_ns) = (2, 0);
         for ((core, number), crd) in &mut self.crds {
             crd.certain = false;
+            crd.fifos.iter_mut().for_each(Fifo::stop);
             crd.stopped |= *core == 1 && named >> (number - 1) & 1 == 1 && !crd.awaited;
         }
     }

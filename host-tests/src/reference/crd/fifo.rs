@@ -81,6 +81,8 @@ pub struct Fifo {
     pub(super) waited: bool,
     /// So many entries were there at the tick before.
     pub(super) seen: usize,
+    /// So many entries were there at the last Stop.
+    pub(super) stopped: usize,
     /// Where it was left, if it was left within its data.
     pub left: Option<[f64; 4]>,
     /// An interlock stopped it within its data, and its path ran with the other FIFO since.
@@ -88,6 +90,16 @@ pub struct Fifo {
 }
 
 impl Fifo {
+    /// A Stop: whether motions are left is not known ahead.
+    pub fn stop(&mut self) {
+        self.stopped = self.entries.len();
+    }
+
+    /// Whether the end of what it holds is known, though it was stopped.
+    pub fn ends_anew(&self) -> bool {
+        self.entries.iter().skip(self.stopped).any(|entry| matches!(entry, Entry::Motion(..)))
+    }
+
     /// Axes that go along with the next motion that will be given.
     pub fn geared_to_next(&self) -> Vec<usize> {
         let mut axes = Vec::new();
