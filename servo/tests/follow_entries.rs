@@ -75,6 +75,44 @@ fn a_delay_ends_at_its_exact_instant_whatever_the_tick() {
     }
 }
 
+/// Delays that end at the end of a tick end there, and not a rounding later, wherever the master
+/// is in between and whichever way it moves.
+#[test]
+fn delays_that_end_with_a_tick_end_in_it() {
+    let mut items = Vec::new();
+    for bit in 0..5 {
+        items.extend([Item::Delay(1), Item::Delay(7), Item::Output(GENERAL, bit, true)]);
+    }
+    items.push(Item::Data(1000.0, 1000.0, 1, 0));
+    for value in [MasterPosition::Planned, MasterPosition::PlannedFiltered, MasterPosition::EncoderFiltered] {
+        for direction in [Direction::Both, Direction::Up, Direction::Down] {
+            for velocity in (1..60).flat_map(|n| [f64::from(n) * 0.37, f64::from(n) * -0.0113]) {
+                // The way back from the start reaches nothing.
+                if direction == Direction::Both && velocity < 0.0 {
+                    continue;
+                }
+                let mut bench = Bench::prepared(1000, MotionMode::FollowEx);
+                bench.now(TickCommand::SetMode { axis: axis(0), mode: MotionMode::PtStatic });
+                bench.now(TickCommand::FollowDirection { axis: axis(1), direction });
+                bench.follows(1, 0, value);
+                bench.follow(1, 0, &items);
+                bench.pt(0, 0, &[(velocity * 10_000.0, 10_000, 1)]);
+                bench.start(&[0]);
+                // The filter has taken up the speed, not to the last bit.
+                for _ in 0..7 {
+                    bench.tick();
+                }
+                bench.start_follow(&[1]);
+                for ms in 1..=11u32 {
+                    let view = bench.tick();
+                    let high = (1 << ((ms - 1) / 2)) - 1;
+                    assert_eq!(view.general_outputs, high, "{value:?} {direction:?} {velocity}, {ms} ms");
+                }
+            }
+        }
+    }
+}
+
 /// A loop with a delay, over a master of two speeds whose knots are no whole pulses: rounding of
 /// its position where delays begin and end does not add up.
 #[test]

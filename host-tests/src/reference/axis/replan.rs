@@ -77,9 +77,10 @@ impl Axis {
     /// BufMove: from an instant of the tick that began at `from` on; when it ends.
     pub fn travel(&mut self, from: Fix, at: Fix, to: i32, [vel, acc]: [f64; 2]) -> Fix {
         let (begin, mut x) = self.head.last().copied().unwrap_or((from, self.x));
-        let mut v = Fix::ZERO;
+        let (mut v, mut before) = (Fix::ZERO, Fix::ZERO);
         if let Some(Motion::Ramp(timed)) = &mut self.motion {
             let mut knots = Vec::new();
+            before = timed.curve.curvature(timed.place(at)).unwrap_or(Fix::ZERO).abs();
             if timed.step(begin, at, 1, &mut knots) == Went::On {
                 v = timed.velocity(at);
             }
@@ -101,6 +102,8 @@ impl Axis {
         self.ending = Why::End;
         self.late_velocity = Fix::of(&acc) * Fix::ms(5);
         let length = curve.length();
+        // Up to then it keeps the acceleration that it had.
+        self.slack += before * Fix::ms(5) * length;
         self.brief |= length == Fix::ZERO;
         self.motion = Some(Motion::Ramp(Timed::new(curve, at, x).rounded(blur)));
         let speed = (displacement.abs() * Fix::of(&acc)).to_f64().sqrt();

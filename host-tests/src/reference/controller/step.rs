@@ -77,8 +77,8 @@ impl Controller {
                 let of = if master.is_sampled() { Fix::ZERO } else { self.axes[master.axis].velocity_rounding };
                 let place = self.rounding_of_master(&axis);
                 axis.velocity_rounding = slave.velocity_rounding(lead, place, of);
-                if master.is_counted() {
-                    // Slaves of it take its speed from its positions at two ticks.
+                if master.is_sampled() {
+                    // Its speed is taken from its master's positions at two ticks.
                     axis.velocity_rounding += Fix(1 << 43).over(Fix::ms(self.tick_ns));
                 }
             }

@@ -35,6 +35,8 @@ const DELAY_CYCLE: FineNs = (CYCLE_NS as FineNs) << 32;
 const FINE_NS_PER_MS: FineNs = 1_000_000 << 32;
 /// From 2⁻⁶⁴ pulse to the unit of [`FollowRun::remainder`].
 const REMAINDER_DOWN: u32 = 11;
+/// That unit in 2⁻⁶⁴ pulse.
+pub(super) const REMAINDER: i128 = 1 << REMAINDER_DOWN;
 /// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
 const SETTLE_STEPS: usize = 3 * ACTIONS;
 

@@ -154,7 +154,8 @@ impl Follower {
         };
         // All the path is one section.
         let to = TimedPosition { after: period.0 << 32, pos: to };
-        let section = Section { now, from: TimedPosition { after: 0, pos: last }, to, piece: along, shift };
+        let from = TimedPosition { after: 0, pos: last };
+        let section = Section { now, from, line: from, to, piece: along, shift };
         self.run
             .open(now, &section, to, context)
             .or_else(|| self.run.go(section, context, track))

@@ -6,6 +6,7 @@
 //! the path between the first and the last of them is a straight line; so is the path of a slave
 //! with slaves of its own between its positions.
 use super::curve::{bend, slope};
+use super::evaluator::REMAINDER;
 use crate::math::wide::umulhi;
 use crate::segment::piece::Piece;
 use crate::units::{Exact, Ns, Pos};
@@ -47,6 +48,8 @@ pub struct MasterPath<'a> {
 pub struct Section<'a> {
     pub(super) now: Ns,
     pub(super) from: TimedPosition,
+    /// Where a straight one began: `from` may lie later on the line, and is rounded.
+    pub(super) line: TimedPosition,
     pub(super) to: TimedPosition,
     pub(super) piece: Option<&'a Piece>,
     pub(super) shift: i64,
@@ -176,6 +179,7 @@ impl<'a> MasterPath<'a> {
         spots.iter().zip(spots.iter().zip(&self.along).skip(1)).map(move |(from, (to, along))| Section {
             now: self.now,
             from: *from,
+            line: *from,
             to: *to,
             piece: match along {
                 0 => None,
@@ -233,7 +237,7 @@ fn pos(now: Ns, piece: &Piece, shift: i64, at: u64) -> Pos {
 impl Section<'_> {
     /// A master that does not move.
     pub(super) fn still(now: Ns, here: TimedPosition) -> Section<'static> {
-        Section { now, from: here, to: here, piece: None, shift: 0 }
+        Section { now, from: here, line: here, to: here, piece: None, shift: 0 }
     }
 
     /// The master's position at a time since the tick in force, inside the section.
@@ -242,9 +246,9 @@ impl Section<'_> {
             let shift = Exact::from(Pos(self.shift));
             return Exact(piece.exact_at(tau(self.now, piece, after)).0.wrapping_add(shift.0));
         }
-        let (from, to) = (Exact::from(self.from.pos), self.to.pos.0.wrapping_sub(self.from.pos.0));
-        let length = self.to.after.wrapping_sub(self.from.after);
-        let part = share(after.saturating_sub(self.from.after) as u128, length as u128);
+        let (from, to) = (Exact::from(self.line.pos), self.to.pos.0.wrapping_sub(self.line.pos.0));
+        let length = self.to.after.wrapping_sub(self.line.after);
+        let part = share(after.saturating_sub(self.line.after) as u128, length as u128);
         Exact(from.0.wrapping_add((to as i128).wrapping_mul(part as i128) >> Pos::FRAC_BITS))
     }
 
@@ -257,7 +261,8 @@ impl Section<'_> {
             let left = pos.0.wrapping_sub(self.at(after).0);
             if up { left } else { left.wrapping_neg() }
         };
-        if self.to.pos == self.from.pos || left(begin) <= 0 {
+        // What lies less than [`FollowRun::remainder`] tells after the beginning is there.
+        if self.to.pos == self.from.pos || left(begin) < REMAINDER {
             return begin;
         }
         if left(end) >= 0 {
