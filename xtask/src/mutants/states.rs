@@ -6,6 +6,10 @@ const SPEEDS: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "-
 const GAPS: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "delays_and_waits_follow"];
 const SWITCH: &[&str] = &["-p", "beamtick-host-tests", "--test", "reference", "--", "a_switch_after_a_delay"];
 const REST: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "a_delay_that_ends_while_its_master"];
+const TICKS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "delays_that_end_with_a_tick"];
+const STOPPED: &[&str] = &["-p", "beamtick", "--test", "refused_starts", "--", "a_switch_after_a_stop"];
+const CLEARED: &[&str] =
+    &["-p", "beamtick-dispatcher", "--test", "all", "--", "data_after_a_start_of_what_was_cleared"];
 const DRIFT: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "delays_in_a_loop_do_not_drift"];
 
 /// In the order of the list of programs in docs/evidence.md.
@@ -41,9 +45,30 @@ pub const STATES: &[Mutant] = &[
     Mutant {
         name: "slave: a delay after a delay begins a hair late",
         file: "servo/src/segment/follow/master_path.rs",
-        text: "        if self.to.pos == self.from.pos || left(begin) <= 0 {\n            return begin;\n        }\n",
+        text: "        if self.to.pos == self.from.pos || left(begin) < REMAINDER {\n            return begin;\n        }\n",
         broken: "",
         test: GAPS,
+    },
+    Mutant {
+        name: "slave: after a delay a straight master goes on from a rounded position",
+        file: "servo/src/segment/follow/master_path.rs",
+        text: "        self.from = TimedPosition { after, pos: at.round().clamp(low, high) };\n",
+        broken: "        self.from = TimedPosition { after, pos: at.round().clamp(low, high) };\n        self.line = self.from;\n",
+        test: TICKS,
+    },
+    Mutant {
+        name: "slave: a switch at the instant of a Stop is taken",
+        file: "servo/src/axis/slave.rs",
+        text: "follower.braking.is_some() || table",
+        broken: "table",
+        test: STOPPED,
+    },
+    Mutant {
+        name: "follow: data after a start of a FIFO that was cleared waits for the start",
+        file: "dispatcher/src/shadow.rs",
+        text: "shadow.follow.empty(fifo, seq);\n                shadow.leaving = shadow.busy;",
+        broken: "shadow.follow.empty(fifo, seq);\n                shadow.leaving = Some(seq.wrapping_add(1));",
+        test: CLEARED,
     },
     Mutant {
         name: "slave: a delay in a loop counts from a rounded position",
