@@ -56,8 +56,8 @@ pub struct AxisShadow {
     /// FIFOs (a bit each) whose data is being overwritten, though what emptied them is not
     /// executed.
     pub invalid: u8,
-    /// The start whose data that entry, or one that emptied a FIFO of Follow, may have dropped, until
-    /// a view shows the axis at standstill.
+    /// The start whose data that entry, or one that emptied a FIFO of Follow, may have dropped,
+    /// until a view shows the axis at standstill.
     pub leaving: Option<u32>,
     /// Stop decelerations, pulse/ms².
     pub dec: (f64, f64),
