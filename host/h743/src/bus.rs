@@ -341,7 +341,7 @@ impl Bus {
             self.timers.iter_mut().for_each(|timer| timer.lose_clock(&mut signals, at));
             self.signals = signals;
             self.reclock(AHB2ENR, at);
-            exceptions.pending[NMI] = true;
+            exceptions.pending.set(NMI, true);
         }
         self.after(at, exceptions);
     }

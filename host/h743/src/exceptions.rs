@@ -27,6 +27,44 @@ pub const SYS_TICK: usize = 15;
 /// Priority of code that no exception runs.
 pub const THREAD: i16 = 256;
 
+/// Exceptions, a bit each: the model looks for the first one at every turn.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Set([u64; COUNT.div_ceil(64)]);
+
+impl Set {
+    /// Puts one in, or takes it out.
+    pub fn set(&mut self, exception: usize, holds: bool) {
+        assert!(exception < COUNT, "exception {exception}");
+        let bit = 1 << (exception % 64);
+        let word = &mut self.0[exception / 64];
+        *word = if holds { *word | bit } else { *word & !bit };
+    }
+
+    /// Those that are in both.
+    pub fn and(self, other: Set) -> Set {
+        Set(std::array::from_fn(|n| self.0[n] & other.0[n]))
+    }
+
+    /// By their numbers.
+    pub fn iter(self) -> impl Iterator<Item = usize> {
+        self.0.into_iter().enumerate().flat_map(|(n, mut word)| {
+            std::iter::from_fn(move || {
+                let bit = word.trailing_zeros();
+                word &= word.wrapping_sub(1);
+                (bit < 64).then_some(64 * n + bit as usize)
+            })
+        })
+    }
+}
+
+impl std::ops::Index<usize> for Set {
+    type Output = bool;
+
+    fn index(&self, exception: usize) -> &bool {
+        if self.0[exception / 64] >> (exception % 64) & 1 == 1 { &true } else { &false }
+    }
+}
+
 /// The masks, as the core's registers hold them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Masks {
@@ -42,33 +80,27 @@ pub struct Masks {
 #[derive(Debug, Clone)]
 pub struct Exceptions {
     /// Is waiting.
-    pub pending: [bool; COUNT],
+    pub pending: Set,
     /// Runs, or was interrupted.
-    pub active: [bool; COUNT],
+    pub active: Set,
     /// May be taken.
-    pub enabled: [bool; COUNT],
+    pub enabled: Set,
     /// Priority registers.
     pub priority: [u8; COUNT],
     /// The line of an interrupt is high.
-    line: [bool; COUNT],
+    line: Set,
     /// AIRCR.PRIGROUP.
     pub group: u32,
 }
 
 impl Default for Exceptions {
     fn default() -> Self {
-        let mut enabled = [false; COUNT];
+        let mut enabled = Set::default();
         for always in [NMI, HARD_FAULT, SUPERVISOR_CALL, PEND_SV, SYS_TICK] {
-            enabled[always] = true;
+            enabled.set(always, true);
         }
-        Exceptions {
-            pending: [false; COUNT],
-            active: [false; COUNT],
-            enabled,
-            priority: [0; COUNT],
-            line: [false; COUNT],
-            group: 0,
-        }
+        let none = Set::default();
+        Exceptions { pending: none, active: none, enabled, priority: [0; COUNT], line: none, group: 0 }
     }
 }
 
@@ -100,21 +132,26 @@ impl Exceptions {
 
     /// How urgent what runs is, with the masks.
     pub fn execution(&self, masks: Masks) -> i16 {
-        let active = (0..COUNT).filter(|&n| self.active[n]).map(|n| self.urgency(n)).min().unwrap_or(THREAD);
+        let active = self.active.iter().map(|n| self.urgency(n)).min().unwrap_or(THREAD);
         let base = if masks.basepri == 0 { THREAD } else { self.preempting(i16::from(masks.basepri & 0xf0)) };
         let prime = if masks.primask { 0 } else { THREAD };
         let fault = if masks.faultmask { -1 } else { THREAD };
         active.min(base).min(prime).min(fault)
     }
 
+    /// Those that wait and are enabled.
+    pub fn waiting(&self) -> impl Iterator<Item = usize> {
+        self.pending.and(self.enabled).iter().filter(|&n| n >= NMI)
+    }
+
     /// The most urgent that waits and is enabled; of equals the lowest number.
     fn first(&self) -> Option<usize> {
-        (NMI..COUNT).filter(|&n| self.pending[n] && self.enabled[n]).min_by_key(|&n| (self.full_priority(n), n))
+        self.waiting().min_by_key(|&n| (self.full_priority(n), n))
     }
 
     /// Whether anything waits that is enabled.
     pub fn is_any_pending(&self) -> bool {
-        (NMI..COUNT).any(|n| self.pending[n] && self.enabled[n])
+        self.waiting().next().is_some()
     }
 
     /// What is to be taken now.
@@ -129,14 +166,14 @@ impl Exceptions {
 
     /// An exception begins.
     pub fn begin(&mut self, exception: usize) {
-        self.pending[exception] = false;
-        self.active[exception] = true;
+        self.pending.set(exception, false);
+        self.active.set(exception, true);
     }
 
     /// An exception has ended; an interrupt whose line is still high waits again.
     pub fn end(&mut self, exception: usize) {
-        self.active[exception] = false;
-        self.pending[exception] |= self.line[exception];
+        self.active.set(exception, false);
+        self.pending.set(exception, self.pending[exception] || self.line[exception]);
     }
 
     /// The line of an interrupt; a rising line makes it pending. True if it is pending now and was
@@ -144,14 +181,14 @@ impl Exceptions {
     pub fn set_line(&mut self, interrupt: usize, high: bool) -> bool {
         let exception = 16 + interrupt;
         let rises = high && !self.line[exception];
-        self.line[exception] = high;
+        self.line.set(exception, high);
         let new = rises && !self.pending[exception];
-        self.pending[exception] |= rises;
+        self.pending.set(exception, self.pending[exception] || rises);
         new
     }
 
     /// Clears what is pending; while the line is high it is pending at once again, unless it runs.
     pub fn clear_pending(&mut self, exception: usize) {
-        self.pending[exception] = self.line[exception] && !self.active[exception];
+        self.pending.set(exception, self.line[exception] && !self.active[exception]);
     }
 }

@@ -490,7 +490,7 @@ impl Machine {
         match exit {
             Exit::Asked => Ok(()),
             Exit::Call => {
-                self.chip.scs.exceptions.pending[SUPERVISOR_CALL] = true;
+                self.chip.scs.exceptions.pending.set(SUPERVISOR_CALL, true);
                 Ok(())
             }
             Exit::Breakpoint => Err(Stop::Breakpoint(pc)),

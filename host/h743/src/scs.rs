@@ -5,7 +5,7 @@
 //! reset, the state of the MPU. Owns those registers. Fails: a register that is not here is `None`,
 //! and the machine reports it. Caches and MPU hold what was written. Of the MPU, the machine
 //! enforces regions without any right, in whole pages.
-use crate::exceptions::{COUNT, Exceptions, MEMORY_FAULT, NMI, PEND_SV, SYS_TICK, USAGE_FAULT};
+use crate::exceptions::{COUNT, Exceptions, MEMORY_FAULT, NMI, PEND_SV, SYS_TICK, Set, USAGE_FAULT};
 use crate::time::{NEVER, Time};
 
 /// Lines of interrupts that the implementation has, in words of 32.
@@ -127,9 +127,9 @@ impl Scs {
             0x018 => self.systick.value(at, cycle),
             // CALIB: no reference.
             0x01c => 0x8000_0000,
-            0x100..0x114 | 0x180..0x194 => word(offset, &exceptions.enabled),
-            0x200..0x214 | 0x280..0x294 => word(offset, &exceptions.pending),
-            0x300..0x314 => word(offset, &exceptions.active),
+            0x100..0x114 | 0x180..0x194 => word(offset, exceptions.enabled),
+            0x200..0x214 | 0x280..0x294 => word(offset, exceptions.pending),
+            0x300..0x314 => word(offset, exceptions.active),
             0x400..0x496 => {
                 let first = 16 + (offset - 0x400) as usize;
                 (0..4).rev().fold(0, |value, n| {
@@ -180,9 +180,9 @@ impl Scs {
             0x010 => self.systick.set_control(value, at, cycle),
             0x014 => self.systick.reload = value & 0xff_ffff,
             0x018 => self.systick.clear(at),
-            0x100..0x114 => each(offset, value, |n| self.exceptions.enabled[n] = true),
-            0x180..0x194 => each(offset, value, |n| self.exceptions.enabled[n] = false),
-            0x200..0x214 => each(offset, value, |n| self.exceptions.pending[n] = true),
+            0x100..0x114 => each(offset, value, |n| self.exceptions.enabled.set(n, true)),
+            0x180..0x194 => each(offset, value, |n| self.exceptions.enabled.set(n, false)),
+            0x200..0x214 => each(offset, value, |n| self.exceptions.pending.set(n, true)),
             0x280..0x294 => each(offset, value, |n| self.exceptions.clear_pending(n)),
             0x400..0x496 => self.set_priorities(16 + (offset - 0x400) as usize, value, mask),
             0xd04 => self.set_icsr(value),
@@ -201,7 +201,7 @@ impl Scs {
             0xd18 | 0xd1c | 0xd20 => self.set_priorities(4 + (offset - 0xd18) as usize, value, mask),
             0xd24 => {
                 for (bit, exception) in (16..).zip(MEMORY_FAULT..=USAGE_FAULT) {
-                    self.exceptions.enabled[exception] = value & 1 << bit != 0;
+                    self.exceptions.enabled.set(exception, value & 1 << bit != 0);
                 }
             }
             0xd28 => self.cfsr &= !value,
@@ -211,8 +211,9 @@ impl Scs {
             0xd88 => self.cpacr = value,
             0xd94..=0xdb8 => self.write_mpu(offset, value),
             0xf00 => {
-                if let Some(pending) = self.exceptions.pending.get_mut(16 + (value & 0x1ff) as usize) {
-                    *pending = true;
+                let exception = 16 + (value & 0x1ff) as usize;
+                if exception < COUNT {
+                    self.exceptions.pending.set(exception, true);
                 }
             }
             0xf34 => self.fpccr = value,
@@ -272,12 +273,12 @@ impl Scs {
 
     fn icsr(&self, running: usize) -> u32 {
         let e = &self.exceptions;
-        let next = (NMI..COUNT).find(|&n| e.pending[n] && e.enabled[n]).unwrap_or(0) as u32;
-        let others = e.active.iter().enumerate().any(|(n, &active)| active && n != running);
+        let next = e.waiting().next().unwrap_or(0) as u32;
+        let others = e.active.iter().any(|n| n != running);
         running as u32
             | u32::from(!others) << 11
             | next << 12
-            | u32::from((16..COUNT).any(|n| e.pending[n])) << 22
+            | u32::from(e.pending.iter().any(|n| n >= 16)) << 22
             | u32::from(e.pending[SYS_TICK]) << 26
             | u32::from(e.pending[PEND_SV]) << 28
             | u32::from(e.pending[NMI]) << 31
@@ -286,9 +287,9 @@ impl Scs {
     fn set_icsr(&mut self, value: u32) {
         let pending = &mut self.exceptions.pending;
         let bit = |n: u32| value & 1 << n != 0;
-        pending[SYS_TICK] = (pending[SYS_TICK] || bit(26)) && !bit(25);
-        pending[PEND_SV] = (pending[PEND_SV] || bit(28)) && !bit(27);
-        pending[NMI] |= bit(31);
+        pending.set(SYS_TICK, (pending[SYS_TICK] || bit(26)) && !bit(25));
+        pending.set(PEND_SV, (pending[PEND_SV] || bit(28)) && !bit(27));
+        pending.set(NMI, pending[NMI] || bit(31));
     }
 
     fn shcsr(&self) -> u32 {
@@ -304,15 +305,15 @@ impl Scs {
     /// SysTick has come to zero, if it has.
     pub fn advance(&mut self, to: Time) {
         if self.systick.passes(to) {
-            self.exceptions.pending[SYS_TICK] = true;
+            self.exceptions.pending.set(SYS_TICK, true);
         }
     }
 }
 
 /// Sixteen words after the set's first offset begins the next one; a word holds 32 interrupts.
-fn word(offset: u32, set: &[bool; COUNT]) -> u32 {
+fn word(offset: u32, set: Set) -> u32 {
     let first = 16 + 8 * (offset & 0x7f) as usize;
-    (0..32).fold(0, |value, n| value | u32::from(set.get(first + n).copied().unwrap_or(false)) << n)
+    (0..32).filter(|n| first + n < COUNT).fold(0, |value, n| value | u32::from(set[first + n]) << n)
 }
 
 fn each(offset: u32, value: u32, mut what: impl FnMut(usize)) {

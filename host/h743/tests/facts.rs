@@ -197,7 +197,8 @@ fn a_supply_that_is_low_at_the_start_blames_no_wiring_and_hides_no_crash() {
         };
         // A crash, and a supply that has not recovered as the board starts again.
         let exceptions = &mut machine.chip.scs.exceptions;
-        (exceptions.enabled[116], exceptions.pending[116]) = (true, true);
+        exceptions.enabled.set(116, true);
+        exceptions.pending.set(116, true);
         assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
         machine.supply(2600);
         assert_eq!(machine.run(20 * MILLISECOND), Stop::Time);

@@ -212,7 +212,7 @@ fn a_link_task_that_stands_still_lets_the_watchdog_bite() {
     let Some(elf) = image() else { return };
     let mut machine = booted(&elf);
     assert_eq!(machine.run(100 * MILLISECOND), Stop::Time);
-    machine.chip.scs.exceptions.enabled[PEND_SV] = false;
+    machine.chip.scs.exceptions.enabled.set(PEND_SV, false);
     let at = machine.chip.now;
     assert_eq!(machine.run(1000 * MILLISECOND), Stop::Reset(Cause::Watchdog));
     let waited = (machine.resets[0].0 - at) / MILLISECOND;
@@ -260,7 +260,7 @@ fn a_panic_rests_the_outputs_and_its_reason_is_read_after_the_reset() {
         machine.set_register(Register::R(n), value);
     }
     machine.set_register(Register::Pc, panic | 1);
-    machine.chip.scs.exceptions.pending[TICK] = true;
+    machine.chip.scs.exceptions.pending.set(TICK, true);
     let before = machine.chip.now;
     assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
     let rest = *machine.chip.bus.gpio.changes.iter().rev().find(|change| change.pin == enable).unwrap();
@@ -286,7 +286,7 @@ fn a_stack_that_is_full_is_a_fault() {
     // before the thread itself reaches further.
     let end = h743::image::symbol(&elf, "_stack_end").unwrap();
     machine.set_register(Register::Sp, end + 16);
-    machine.chip.scs.exceptions.pending[TICK] = true;
+    machine.chip.scs.exceptions.pending.set(TICK, true);
     assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
     machine.run(100 * MILLISECOND);
     let (fault, text) = last_fault(machine);
@@ -351,7 +351,8 @@ fn a_fault_rests_the_outputs_first_and_keeps_its_reason() {
     assert_eq!(machine.chip.bus.gpio.level(enable), Level::Driven(true));
     // An interrupt without a handler (100) ends as every panic and fault does.
     let exceptions = &mut machine.chip.scs.exceptions;
-    (exceptions.enabled[116], exceptions.pending[116]) = (true, true);
+    exceptions.enabled.set(116, true);
+    exceptions.pending.set(116, true);
     let before = machine.chip.now;
     assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
     let rest = machine.chip.bus.gpio.changes.iter().rev().find(|change| change.pin == enable).unwrap();

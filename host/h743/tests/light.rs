@@ -149,7 +149,8 @@ fn a_fault_shuts_off_the_light_at_once() {
     let mut machine = lock(&shared);
     // An interrupt without a handler.
     let exceptions = &mut machine.chip.scs.exceptions;
-    (exceptions.enabled[116], exceptions.pending[116]) = (true, true);
+    exceptions.enabled.set(116, true);
+    exceptions.pending.set(116, true);
     let at = machine.chip.now;
     assert_eq!(machine.run(MILLISECOND), Stop::Reset(Cause::Software));
     let energy = pin("PE9");

@@ -203,7 +203,8 @@ fn end(machine: &Shared, how: End) -> Time {
         }
         End::Fault => {
             let exceptions = &mut chip.scs.exceptions;
-            (exceptions.enabled[116], exceptions.pending[116]) = (true, true);
+            exceptions.enabled.set(116, true);
+            exceptions.pending.set(116, true);
             machine.run(MILLISECOND)
         }
         End::Debugger => {
