@@ -44,6 +44,8 @@ cargo xtask COMMAND
                   (serial:/dev/ttyACM0:3000000) it measures and writes out/bring-up.md (cargo bring-up; docs/bring-up.md)
   bring-up LINK loads
                   the same page: how long ticks of the board's own image take under loads
+  bring-up … --no-flash
+                  the same with the image that the board has: probe-rs flashes nothing
   demo            builds the image, boots it, runs the examples, writes traces and plots to out/
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
@@ -76,6 +78,20 @@ fn long_run(ticks: &str) -> Outcome {
     shell::run(shell::cargo().args(words).env("LONG_RUN_TICKS", ticks))
 }
 
+/// `cargo bring-up`, with its option at any place.
+fn bring_up(words: &[&str]) -> Outcome {
+    let (options, words): (Vec<&str>, Vec<&str>) = words.iter().partition(|word| word.starts_with("--"));
+    let flashes = options.is_empty();
+    match (words.as_slice(), options.as_slice()) {
+        ([], [] | ["--no-flash"]) => board::bring_up(None, flashes),
+        ([link], [] | ["--no-flash"]) => board::bring_up(Some(link), flashes),
+        ([link, "loads"], [] | ["--no-flash"]) => board::loads(link, flashes),
+        _ => {
+            Err(format!("bring-up takes [LINK [loads]] [--no-flash], and got {}", [words, options].concat().join(" ")))
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -85,9 +101,7 @@ fn main() -> ExitCode {
         ["size"] => board::size(),
         ["flash-board"] => board::flash(board::REFERENCE),
         ["flash-board", "external-dac"] => board::flash(board::REFERENCE_DAC),
-        ["bring-up"] => board::bring_up(None),
-        ["bring-up", link] => board::bring_up(Some(link)),
-        ["bring-up", link, "loads"] => board::loads(link),
+        ["bring-up", words @ ..] => bring_up(words),
         ["demo"] => demo::run(),
         ["ticks"] => ticks::write(),
         ["ticks", "--check"] => ticks::check(),
