@@ -126,8 +126,8 @@ fn has_probe() -> bool {
     works(program("probe-rs").arg("--version"))
 }
 
-/// Flashes the board's own image if that is wanted and probe-rs is there, and measures its ticks over
-/// this link.
+/// Flashes the board's own image if that is wanted and probe-rs is there, and measures its ticks
+/// over this link.
 pub fn loads(link: &str, flashes: bool) -> Outcome {
     check_link(link)?;
     if flashes && has_probe() {

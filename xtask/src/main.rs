@@ -78,17 +78,29 @@ fn long_run(ticks: &str) -> Outcome {
     shell::run(shell::cargo().args(words).env("LONG_RUN_TICKS", ticks))
 }
 
-/// `cargo bring-up`, with its option at any place.
-fn bring_up(words: &[&str]) -> Outcome {
-    let (options, words): (Vec<&str>, Vec<&str>) = words.iter().partition(|word| word.starts_with("--"));
+/// What `cargo bring-up` is to do: over which link, with which image, and whether it flashes that.
+/// `--no-flash` stands anywhere.
+type BringUp<'a> = (Option<&'a str>, bool, bool);
+
+fn bring_up_words<'a>(words: &[&'a str]) -> Outcome<BringUp<'a>> {
+    let (options, others): (Vec<&str>, Vec<&str>) = words.iter().partition(|word| word.starts_with('-'));
     let flashes = options.is_empty();
-    match (words.as_slice(), options.as_slice()) {
-        ([], [] | ["--no-flash"]) => board::bring_up(None, flashes),
-        ([link], [] | ["--no-flash"]) => board::bring_up(Some(link), flashes),
-        ([link, "loads"], [] | ["--no-flash"]) => board::loads(link, flashes),
-        _ => {
-            Err(format!("bring-up takes [LINK [loads]] [--no-flash], and got {}", [words, options].concat().join(" ")))
-        }
+    let refused = || Err(format!("bring-up takes [LINK [loads]] [--no-flash], and got {}", words.join(" ")));
+    if !matches!(options[..], [] | ["--no-flash"]) {
+        return refused();
+    }
+    match others[..] {
+        [] => Ok((None, false, flashes)),
+        [link] => Ok((Some(link), false, flashes)),
+        [link, "loads"] => Ok((Some(link), true, flashes)),
+        _ => refused(),
+    }
+}
+
+fn bring_up(words: &[&str]) -> Outcome {
+    match bring_up_words(words)? {
+        (Some(link), true, flashes) => board::loads(link, flashes),
+        (link, _, flashes) => board::bring_up(link, flashes),
     }
 }
 
@@ -144,6 +156,30 @@ fn main() -> ExitCode {
         Err(reason) => {
             eprintln!("error: {reason}");
             ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bring_up_flashes_unless_it_gets_its_option() {
+        let link = "serial:COM5:3000000";
+        for (words, expected) in [
+            (&[][..], (None, false, true)),
+            (&["--no-flash"], (None, false, false)),
+            (&[link], (Some(link), false, true)),
+            (&["--no-flash", link], (Some(link), false, false)),
+            (&[link, "loads"], (Some(link), true, true)),
+            (&[link, "--no-flash", "loads"], (Some(link), true, false)),
+        ] {
+            assert_eq!(bring_up_words(words), Ok(expected), "{words:?}");
+        }
+        for words in [&["--flash"][..], &[link, "load"], &["--no-flash", "--no-flash"], &[link, "loads", "now"]] {
+            let why = bring_up_words(words).unwrap_err();
+            assert_eq!(why, format!("bring-up takes [LINK [loads]] [--no-flash], and got {}", words.join(" ")));
         }
     }
 }

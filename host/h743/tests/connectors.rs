@@ -114,7 +114,7 @@ const CONNECTORS: [(&str, &str, &str); 5] = [
     ("CN10", "D0–D7, D26–D42, A6–A8", ZIO),
 ];
 
-/// Pins of CN11 and CN12 that pages name, as [`ZIO`] has them: connector, pin of it, the chip's pin.
+/// Pins of CN11 and CN12 that pages name, as [`ZIO`] has them: connector, its pin, the chip's pin.
 /// BOOT0 and VDD are no pins that an image uses.
 const MORPHO: [(&str, u32, &str); 14] = [
     ("CN11", 5, "VDD"),
@@ -333,7 +333,7 @@ fn every_contact_has_one_connector() {
     assert_eq!(all, contacts);
 }
 
-/// Pins of CN11 and CN12 are those of the list, and each signal without a contact elsewhere is there.
+/// Pins of CN11 and CN12 are those of the list. Each signal without a contact elsewhere is there.
 #[test]
 fn pins_of_the_outer_connectors_are_those_of_the_published_list() {
     let signals = signals();

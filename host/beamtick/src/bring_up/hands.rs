@@ -285,8 +285,7 @@ mod tests {
         }
     }
 
-    /// A board that says these lines, then those of a byte that ends the light, and a hand that goes
-    /// away.
+    /// A board that says these lines.
     struct Lit {
         says: &'static [u8],
         at: u64,
@@ -327,8 +326,8 @@ mod tests {
         }
     }
 
-    /// Whoever leaves a board whose lasers are lit has ended the light, or is told how to end it: where
-    /// the board does not say that it is dark, and where its port is gone.
+    /// Whoever leaves a board whose lasers are lit has ended the light. He is told how to end it
+    /// where the board does not say that it is dark, and where its port is gone.
     #[test]
     fn a_hand_that_goes_away_under_light_is_told_of_it() {
         let line = |text: &str| format!("{text}*{:02X}\r\n", text.bytes().fold(0, |all, byte| all ^ byte));
@@ -348,7 +347,7 @@ mod tests {
         }
     }
 
-    /// The cable's time is that of the cable: neither what a hand needs before, nor what comes after.
+    /// The cable's time has neither what a hand needs before, nor what comes after.
     #[test]
     fn the_time_of_a_cable_is_from_its_port_that_is_gone_to_its_port_that_is_there() {
         struct Cable(i64, std::ops::Range<i64>);

@@ -195,6 +195,17 @@ mod tests {
         fn now(&mut self) -> u64 {
             self.1
         }
+        fn real_time(&self) -> bool {
+            false
+        }
+    }
+
+    /// What wants the board's own image says so where that does not answer.
+    #[test]
+    fn another_image_than_the_boards_own_is_told_how_to_flash_that() {
+        let Err(Failure::Job(text)) = own_image(Box::new(Talks(b"", 0))) else { panic!("it answers") };
+        assert!(text.contains("does not answer") && text.ends_with(&format!(". {NO_OWN_IMAGE}")), "{text}");
+        assert!(NO_OWN_IMAGE.contains("maybe the bring-up image runs: `cargo flash-board`"));
     }
 
     /// Whatever comes, the program ends, and says what came.

@@ -71,8 +71,8 @@ pub fn check_subject(name: Option<&Path>, before: &str) -> Result<(), Failure> {
 
 /// A page of a new run, with what other runs have settled on the one before: their rows and
 /// sections stay, with their days, while their image is the same. What the new run does not say of
-/// its board contradicts nothing: it is taken from the page before, and the page says so. Fails where
-/// the page before is another chip's, which is not replaced.
+/// its board contradicts nothing: it is taken from the page before, and the page says so. Fails
+/// where the page before is another chip's, which is not replaced.
 pub fn kept(name: Option<&Path>, before: &str, page: String) -> Result<String, Failure> {
     let was = subject(before).filter(Subject::is_whole);
     let (Some(was), Some(is)) = (was, subject(&page)) else { return Ok(page) };
@@ -180,8 +180,8 @@ mod tests {
         assert!(check_subject(name, &page).is_ok() && check_subject(name, "").is_ok());
     }
 
-    /// A run that does not name its board, its chip or its image contradicts nothing: rows stay, the
-    /// page says by what, and goes on being that chip's.
+    /// A run that does not name its board, its chip or its image contradicts nothing. Rows stay.
+    /// The page says by what, and goes on being that chip's.
     #[test]
     fn a_run_that_does_not_name_its_chip_keeps_what_others_have_settled() {
         let page = page_of_others();
