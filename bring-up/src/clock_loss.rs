@@ -4,14 +4,19 @@
 //! line `lit` with MOE of each timer; after a reset and the order `why`, a line `clock-lost` with
 //! MOE of each before, and in the NMI's first instructions. Owns the kept words and the NMI. The
 //! image waits for the clock at its start, so the second order is heard once the ST-LINK is back.
-//! Fails: a chip that lost its supply meanwhile has no such line.
+//! Fails: a chip that lost its supply meanwhile has no such line; nor has one whose light a byte
+//! has ended.
+//!
+//! A byte that comes under light ends it, whatever it is: a key, noise, a port that is opened. The
+//! host repeats its order until the first line arrives, so for [`CROSSING_TICKS`] all is dark and
+//! what comes counts for nothing. In the first 3 ms of light a byte waits in the link's ring.
 use crate::bench::{Bench, train};
 use crate::chip::LASERS;
 use crate::report::{self, Report};
 use crate::wires;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
-use hal::board::{machine::Machine, timer::TickTimer};
+use hal::board::{self, machine::Machine, timer::TickTimer, uart::Rx};
 use servo::laser::Action;
 use stm32_metapac::RCC;
 
@@ -26,6 +31,8 @@ static AWAITS: AtomicBool = AtomicBool::new(false);
 /// MOE at the last tick.
 static LIT: AtomicU32 = AtomicU32::new(0);
 
+/// Ticks in the dark, 100 ms: an order that was repeated has arrived by then.
+const CROSSING_TICKS: u32 = 2000;
 /// Ticks until there is light.
 const START_TICKS: u32 = 24;
 /// For so long the clock may stop: five minutes.
@@ -50,8 +57,8 @@ fn light(bench: &mut Bench) {
     bench.ticks(4);
 }
 
-/// Lights both lasers until the clock stops.
-pub fn await_loss(report: &mut Report, machine: Machine, timer: TickTimer) -> ! {
+/// Lights both lasers until the clock stops or a byte comes.
+pub fn await_loss(report: &mut Report, machine: Machine, timer: TickTimer, rx: &mut Rx) -> ! {
     KEPT.iter().for_each(|word| word.store(0, Relaxed));
     // From now on RCC_RSR says whether the supply was lost.
     RCC.rsr().modify(|w| w.set_rmvf(true));
@@ -61,7 +68,11 @@ pub fn await_loss(report: &mut Report, machine: Machine, timer: TickTimer) -> ! 
         report.end_at_once();
         SCB::sys_reset()
     }
+    // The host shall have the first line.
+    report.flush();
     let mut bench = Bench::begin(machine, timer);
+    bench.ticks(CROSSING_TICKS);
+    while rx.receive().is_some() {}
     light(&mut bench);
     report.line("lit", &numbers(enabled()));
     report.flush();
@@ -70,7 +81,21 @@ pub fn await_loss(report: &mut Report, machine: Machine, timer: TickTimer) -> ! 
     LIT.store(enabled(), Relaxed);
     AWAITS.store(true, Relaxed);
     report.end_at_once();
-    bench.ticks(AWAITED_TICKS);
+    for _ in 0..AWAITED_TICKS {
+        bench.tick();
+        if rx.receive().is_some() {
+            end_light(report);
+        }
+    }
+    SCB::sys_reset()
+}
+
+/// Dark at once, by the timers' MOE; then the chip is reset. The NMI shall not take that for the
+/// guard's work.
+fn end_light(report: &mut Report) -> ! {
+    AWAITS.store(false, Relaxed);
+    board::safe_state();
+    report.remark("a byte has ended the light");
     SCB::sys_reset()
 }
 

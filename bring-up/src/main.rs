@@ -115,7 +115,9 @@ fn main() -> ! {
         before::forget();
         let mut report = begin(tx);
         match order {
-            Order::Light if !package::is_other() => clock_loss::await_loss(&mut report, board.machine, board.timer),
+            Order::Light if !package::is_other() => {
+                clock_loss::await_loss(&mut report, board.machine, board.timer, &mut rx)
+            }
             _ => clock_loss::report_to(&mut report),
         }
         report.end();

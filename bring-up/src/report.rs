@@ -67,6 +67,13 @@ impl Report {
         }
     }
 
+    /// Sends a line for people, and returns once it has left the chip.
+    pub fn remark(&mut self, text: &str) {
+        // Writing to the link never fails.
+        let _ = write!(self, "# {text}\r\n");
+        self.flush();
+    }
+
     /// Sends bytes for nobody, in a line for people.
     pub fn fill(&mut self, bytes: usize) {
         for n in 0..bytes {

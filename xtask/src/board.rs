@@ -80,14 +80,14 @@ pub fn build_bring_up() -> Outcome<PathBuf> {
     crate::image::build_bin("beamtick-bring-up", BRING_UP)
 }
 
-/// Writes the files of the bring-up image; flashes it where probe-rs finds a board; measures over
-/// this link, if one is named.
-pub fn bring_up(link: Option<&str>) -> Outcome {
+/// Writes the files of the bring-up image; flashes it if that is wanted and probe-rs finds a board;
+/// measures over this link, if one is named.
+pub fn bring_up(link: Option<&str>, flashes: bool) -> Outcome {
     // Before anything is flashed.
     link.map_or(Ok(()), check_link)?;
     let elf = build_bring_up()?;
     write(&elf, BRING_UP, "")?;
-    let has_probe = works(program("probe-rs").arg("--version"));
+    let has_probe = flashes && has_probe();
     if has_probe {
         flash_this(&elf)?;
     }
@@ -99,23 +99,38 @@ pub fn bring_up(link: Option<&str>) -> Outcome {
     measure(link, &[])
 }
 
-/// Whether it is the form of a link to a board.
+/// Rates of a serial port, as the client has them.
+const BAUDS: std::ops::RangeInclusive<u32> = 50..=20_000_000;
+
+/// Whether it is the form of a link to a board. A serial port has its rate: the ST-LINK's hears
+/// nothing at another one than 3000000.
 fn check_link(link: &str) -> Outcome {
-    if link.starts_with("serial:") || link.starts_with("tcp:") {
+    let rate = |port: &str| port.rsplit_once(':').and_then(|(_, rate)| rate.parse::<u32>().ok());
+    let has_rate = |port: &str| rate(port).is_some_and(|rate| BAUDS.contains(&rate));
+    if link.starts_with("tcp:") || link.strip_prefix("serial:").is_some_and(has_rate) {
         return Ok(());
     }
     Err(format!(
         "{link} is no link to a board. It is\n  cargo bring-up                                       builds and flashes the image\n  \
          cargo bring-up serial:/dev/ttyACM0:3000000           measures over the ST-LINK's port, and writes out/bring-up.md\n  \
-         cargo bring-up serial:/dev/ttyACM0:3000000 loads     measures ticks of the board's own image\n\
-         The port with its rate is serial:/dev/cu.usbmodemNNN:3000000 on macOS, serial:COM5:3000000 on Windows. See docs/bring-up.md"
+         cargo bring-up serial:/dev/ttyACM0:3000000 loads     measures ticks of the board's own image\n  \
+         cargo bring-up ... --no-flash                        the same, with the image that the board has\n\
+         The port with its rate is serial:/dev/cu.usbmodemNNN:3000000 on macOS, serial:COM5:3000000 on Windows. A rate is {} to {}. \
+         See docs/bring-up.md",
+        BAUDS.start(),
+        BAUDS.end()
     ))
 }
 
-/// Flashes the board's own image where probe-rs is there, and measures its ticks over this link.
-pub fn loads(link: &str) -> Outcome {
+fn has_probe() -> bool {
+    works(program("probe-rs").arg("--version"))
+}
+
+/// Flashes the board's own image if that is wanted and probe-rs is there, and measures its ticks
+/// over this link.
+pub fn loads(link: &str, flashes: bool) -> Outcome {
     check_link(link)?;
-    if works(program("probe-rs").arg("--version")) {
+    if flashes && has_probe() {
         flash_this(&build()?)?;
     }
     measure(link, &["--loads"])
@@ -177,7 +192,7 @@ pub fn size() -> Outcome {
 
 /// Flashes the board that is connected with the reference board's image, or with its variant.
 pub fn flash(variant: Variant) -> Outcome {
-    if !works(program("probe-rs").arg("--version")) {
+    if !has_probe() {
         return Err(
             "probe-rs is missing: `cargo install probe-rs-tools --locked` (https://probe.rs); or copy the HEX that \
                     `cargo xtask image` writes onto the board's drive"
@@ -451,8 +466,12 @@ mod tests {
 
     #[test]
     fn a_link_that_is_none_ends_before_anything_is_built_or_flashed() {
-        for link in ["/dev/ttyACM0:3000000", "COM5", "virtual", "loads"] {
-            for outcome in [bring_up(Some(link)), loads(link)] {
+        for link in
+            ["/dev/ttyACM0:3000000", "COM5", "virtual", "loads", "serial:COM5", "serial:/dev/null:abc", "serial:COM5:0"]
+        {
+            for outcome in
+                [bring_up(Some(link), true), loads(link, true), bring_up(Some(link), false), loads(link, false)]
+            {
                 let why = outcome.unwrap_err();
                 assert!(why.starts_with(&format!("{link} is no link to a board. It is\n  cargo bring-up")), "{why}");
             }

@@ -44,6 +44,8 @@ cargo xtask COMMAND
                   (serial:/dev/ttyACM0:3000000) it measures and writes out/bring-up.md (cargo bring-up; docs/bring-up.md)
   bring-up LINK loads
                   the same page: how long ticks of the board's own image take under loads
+  bring-up … --no-flash
+                  the same with the image that the board has: probe-rs flashes nothing
   demo            builds the image, boots it, runs the examples, writes traces and plots to out/
   ticks           counts the instructions of a servo tick and writes the table of docs/numbers.md
   ticks --check   counts them and compares with the table
@@ -76,6 +78,32 @@ fn long_run(ticks: &str) -> Outcome {
     shell::run(shell::cargo().args(words).env("LONG_RUN_TICKS", ticks))
 }
 
+/// What `cargo bring-up` is to do: over which link, with which image, and whether it flashes that.
+/// `--no-flash` stands anywhere.
+type BringUp<'a> = (Option<&'a str>, bool, bool);
+
+fn bring_up_words<'a>(words: &[&'a str]) -> Outcome<BringUp<'a>> {
+    let (options, others): (Vec<&str>, Vec<&str>) = words.iter().partition(|word| word.starts_with('-'));
+    let flashes = options.is_empty();
+    let refused = || Err(format!("bring-up takes [LINK [loads]] [--no-flash], and got {}", words.join(" ")));
+    if !matches!(options[..], [] | ["--no-flash"]) {
+        return refused();
+    }
+    match others[..] {
+        [] => Ok((None, false, flashes)),
+        [link] => Ok((Some(link), false, flashes)),
+        [link, "loads"] => Ok((Some(link), true, flashes)),
+        _ => refused(),
+    }
+}
+
+fn bring_up(words: &[&str]) -> Outcome {
+    match bring_up_words(words)? {
+        (Some(link), true, flashes) => board::loads(link, flashes),
+        (link, _, flashes) => board::bring_up(link, flashes),
+    }
+}
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -85,9 +113,7 @@ fn main() -> ExitCode {
         ["size"] => board::size(),
         ["flash-board"] => board::flash(board::REFERENCE),
         ["flash-board", "external-dac"] => board::flash(board::REFERENCE_DAC),
-        ["bring-up"] => board::bring_up(None),
-        ["bring-up", link] => board::bring_up(Some(link)),
-        ["bring-up", link, "loads"] => board::loads(link),
+        ["bring-up", words @ ..] => bring_up(words),
         ["demo"] => demo::run(),
         ["ticks"] => ticks::write(),
         ["ticks", "--check"] => ticks::check(),
@@ -130,6 +156,30 @@ fn main() -> ExitCode {
         Err(reason) => {
             eprintln!("error: {reason}");
             ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bring_up_flashes_unless_it_gets_its_option() {
+        let link = "serial:COM5:3000000";
+        for (words, expected) in [
+            (&[][..], (None, false, true)),
+            (&["--no-flash"], (None, false, false)),
+            (&[link], (Some(link), false, true)),
+            (&["--no-flash", link], (Some(link), false, false)),
+            (&[link, "loads"], (Some(link), true, true)),
+            (&[link, "--no-flash", "loads"], (Some(link), true, false)),
+        ] {
+            assert_eq!(bring_up_words(words), Ok(expected), "{words:?}");
+        }
+        for words in [&["--flash"][..], &[link, "load"], &["--no-flash", "--no-flash"], &[link, "loads", "now"]] {
+            let why = bring_up_words(words).unwrap_err();
+            assert_eq!(why, format!("bring-up takes [LINK [loads]] [--no-flash], and got {}", words.join(" ")));
         }
     }
 }

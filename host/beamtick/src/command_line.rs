@@ -390,7 +390,8 @@ pub struct Run {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub drawing: Drawing,
-    /// tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual: a virtual controller in real time.
+    /// tcp:HOST:PORT, serial:PATH[:BAUD] (without BAUD 921600), qemu, or virtual: a virtual
+    /// controller in real time.
     /// Without it, the link of the machine file; if that names none, virtual.
     #[arg(long)]
     pub link: Option<String>,
@@ -422,7 +423,8 @@ pub struct Grbl {
     /// dark. Without it, the first of the file.
     #[arg(long, value_name = "NAME")]
     pub laser: Option<String>,
-    /// tcp:HOST:PORT, serial:PATH[:BAUD], qemu, or virtual: a virtual controller in real time.
+    /// tcp:HOST:PORT, serial:PATH[:BAUD] (without BAUD 921600), qemu, or virtual: a virtual
+    /// controller in real time.
     /// Without it, the link of the machine file; if that names none, virtual.
     #[arg(long)]
     pub link: Option<String>,
@@ -467,7 +469,8 @@ pub struct Check {
 /// `beamtick info`.
 #[derive(Debug, Args)]
 pub struct Info {
-    /// tcp:HOST:PORT, serial:PATH[:BAUD], or qemu; without it, the virtual controller.
+    /// tcp:HOST:PORT, serial:PATH[:BAUD] (without BAUD 921600), or qemu; without it, the virtual
+    /// controller.
     #[arg(long)]
     pub link: Option<String>,
     #[command(flatten)]

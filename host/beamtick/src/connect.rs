@@ -60,7 +60,10 @@ pub fn check(name: &str) -> Result<(), Failure> {
     };
     let is_link = match (kind, place) {
         ("tcp", Some(place)) => place.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok()),
-        ("serial", Some(port)) => !port.is_empty(),
+        ("serial", Some(port)) => match client::link::wrong_rate(name) {
+            Some(why) => return Err(Failure::Input(format!("--link {name}: {why}"))),
+            None => !port.is_empty(),
+        },
         ("qemu", _) | ("virtual", None) => true,
         _ => false,
     };

@@ -5,6 +5,7 @@
 use crate::command_line::{FamilyName, Grbl, Settings};
 use crate::interrupt::{self, Held};
 use crate::share::{self, Share};
+use crate::summary::counted;
 use crate::{Failure, connect, machine_file};
 use client::ProductProfile;
 use grbl::{Pace, Port};
@@ -47,7 +48,7 @@ pub fn serve(arguments: &Grbl) -> Result<(), Failure> {
     drop(board);
     drop(held);
     let served = done?;
-    let text = format!("{} lines of senders were answered", served.lines);
+    let text = format!("{} answered", counted(served.lines as i64, "line of senders was", "lines of senders were"));
     match interrupt::came() {
         Some(signal) => Err(Failure::Interrupted(signal, text)),
         None => {

@@ -10,6 +10,7 @@ use crate::input::{self, Role};
 use crate::output::Output;
 use crate::parts::{Broken, Compiled};
 use crate::script::Script;
+use crate::summary::counted;
 use crate::{json, machine_file, output, record};
 use ::drawing::Format;
 use job::Folder;
@@ -301,7 +302,7 @@ pub fn import(arguments: &Import) -> Result<(), Failure> {
     };
     drop(file);
     staged.whole()?;
-    say!("{}: {lines} lines, from {name}", to.display());
+    say!("{}: {}, from {name}", to.display(), counted(lines as i64, "line", "lines"));
     Ok(())
 }
 

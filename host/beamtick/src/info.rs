@@ -5,6 +5,7 @@
 use crate::command_line::{Info, Steps};
 use crate::connect::{linked, named, simulated};
 use crate::summary::LaserFacts;
+use crate::summary::counted;
 use crate::{Failure, json, profile};
 use client::Client;
 use protocol::command::{
@@ -291,8 +292,8 @@ fn event(item: &EventItem) -> String {
         }
         (event::SHUT_OFF, 1) => "every laser shut off: an abort".to_owned(),
         (event::SHUT_OFF, 2) => "every laser shut off: a new session began".to_owned(),
-        (event::OVERRUN, _) => format!("{reason} servo ticks took longer than a period"),
-        _ => format!("{reason} events were lost"),
+        (event::OVERRUN, _) => format!("{} took longer than a period", counted(reason, "servo tick", "servo ticks")),
+        _ => format!("{} lost", counted(reason, "event was", "events were")),
     }
 }
 

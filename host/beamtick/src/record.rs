@@ -7,6 +7,7 @@ use crate::Failure;
 use crate::command_line::{Outputs, panels};
 use crate::output::{Kept, Output};
 use crate::spool::Spool;
+use crate::summary::counted;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -198,9 +199,10 @@ impl Recording {
         let broken = match (self.failed.take(), &self.sinks.open) {
             (Some(error), _) => Some(error.into()),
             (None, None) => Some(Failure::Job("trace: the controller sent none".into())),
-            (None, Some(open)) if !self.reader.ended() => {
-                Some(Failure::Job(format!("trace: it breaks off after {} rows; the end did not come", open.rows)))
-            }
+            (None, Some(open)) if !self.reader.ended() => Some(Failure::Job(format!(
+                "trace: it breaks off after {}; the end did not come",
+                counted(open.rows as i64, "row", "rows")
+            ))),
             _ => None,
         };
         if let Some(failure) = broken {

@@ -62,6 +62,11 @@ pub fn open(name: &str) -> Result<Box<dyn Link>> {
     }
 }
 
+/// What is wrong with the rate of a serial port's name, if anything is.
+pub fn wrong_rate(name: &str) -> Option<String> {
+    serial::parts(name.strip_prefix("serial:")?).err()
+}
+
 /// Whether a link is a serial port that this computer does not have.
 pub fn is_missing(name: &str) -> bool {
     name.strip_prefix("serial:").is_some_and(serial::is_missing)

@@ -3,10 +3,14 @@ use crate::error::{self, Error, Result};
 use crate::link::Link;
 use serialport::{SerialPort, SerialPortType};
 use std::io::{ErrorKind, Read, Write};
+use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
-/// Rate where the name gives none: what the boards are set to.
+/// Rate where the name gives none: what most boards are set to. The reference board's ST-LINK wants
+/// 3,000,000.
 pub const DEFAULT_BAUD: u32 = 921_600;
+/// Rates that a name may give: the slowest of POSIX, and more than the fastest adapter makes.
+pub const BAUDS: RangeInclusive<u32> = 50..=20_000_000;
 
 /// Ten bits a byte; a third of the bytes is left to replies, acknowledgements and repetitions.
 const fn trace_rate(baud: u32) -> u32 {
@@ -53,27 +57,40 @@ const SHOWN: usize = 8;
 /// How long a port may take to accept what is sent: a full window at 9600 baud.
 const SEND: Duration = Duration::from_secs(10);
 
-/// Path and rate of `PATH[:BAUD]`. A Windows or Linux path may hold a colon itself: only a number
-/// after the last one is a rate.
-fn parts(port: &str) -> (&str, u32) {
-    match port.rsplit_once(':').map(|(path, baud)| (path, baud.parse::<u32>())) {
-        Some((path, Ok(baud))) => (path, baud),
-        _ => (port, DEFAULT_BAUD),
+/// Path and rate of `PATH[:BAUD]`, or what is wrong with the rate. A path of Linux may hold a colon
+/// itself. So what follows the last one is part of the path where it is no number and no port has
+/// the name before it.
+pub(crate) fn parts(port: &str) -> std::result::Result<(&str, u32), String> {
+    let Some((path, rate)) = port.rsplit_once(':') else { return Ok((port, DEFAULT_BAUD)) };
+    match rate.parse::<u32>() {
+        Ok(baud) if BAUDS.contains(&baud) => Ok((path, baud)),
+        _ if exists(port) => Ok((port, DEFAULT_BAUD)),
+        _ if rate.bytes().all(|byte| byte.is_ascii_digit()) || exists(path) => Err(format!(
+            "BAUD, the rate of serial:PATH[:BAUD], is \"{rate}\"; it is {} to {}, and {DEFAULT_BAUD} where it is left out with its \
+             colon",
+            BAUDS.start(),
+            BAUDS.end()
+        )),
+        _ => Ok((port, DEFAULT_BAUD)),
     }
+}
+
+/// Whether this computer has a port, or a file, of this name.
+fn exists(path: &str) -> bool {
+    let is_listed = || serialport::available_ports().is_ok_and(|all| all.iter().any(|found| found.port_name == path));
+    std::path::Path::new(path).exists() || is_listed()
 }
 
 /// Whether this computer has no such port: neither a file nor a name of a port.
 pub(crate) fn is_missing(port: &str) -> bool {
-    let (path, _) = parts(port);
-    let is_listed = || serialport::available_ports().is_ok_and(|all| all.iter().any(|found| found.port_name == path));
-    !std::path::Path::new(path).exists() && !is_listed()
+    parts(port).is_ok_and(|(path, _)| !exists(path))
 }
 
 impl SerialLink {
     /// Opens `PATH[:BAUD]`, 8 data bits, no parity.
     pub fn open(port: &str) -> Result<Self> {
         let name = format!("serial:{port}");
-        let (path, baud) = parts(port);
+        let (path, baud) = parts(port).map_err(|why| Error::cannot_open(&name, why))?;
         let port =
             serialport::new(path, baud).timeout(Duration::from_millis(1)).open().map_err(|e| match is_in_use(&e) {
                 true => Error::cannot_open(&name, "another program, or another card of this one, uses it"),
@@ -155,6 +172,39 @@ mod tests {
         assert_eq!((error.code, is_missing("/dev/no-such-port:3000000")), (error::CANNOT_OPEN, true));
         let helps = ["; ports of this computer: ", "; this computer has no serial port now"];
         assert!(helps.iter().any(|text| error.reason.contains(text)), "{error}");
+    }
+
+    /// `/dev/null` stands for a port that is there.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_rate_that_is_none_names_its_limits() {
+        for rate in ["abc", "", "0", "49", "20000001", "99999999999", "-1", "3e6"] {
+            let error = SerialLink::open(&format!("/dev/null:{rate}")).map(|_| ()).unwrap_err();
+            assert_eq!(error.code, error::CANNOT_OPEN);
+            let why =
+                format!("BAUD, the rate of serial:PATH[:BAUD], is \"{rate}\"; it is 50 to 20000000, and 921600 where");
+            assert!(error.reason.contains(&why), "{error}");
+            assert!(!is_missing(&format!("/dev/null:{rate}")));
+        }
+        assert!(parts("/dev/no-such-port:0").is_err());
+        // Paths with a colon, and names that Windows has.
+        for (port, path, baud) in [
+            ("/dev/null", "/dev/null", 921_600),
+            ("/dev/null:50", "/dev/null", 50),
+            (
+                "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.2",
+                "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.2",
+                921_600,
+            ),
+            (
+                "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.2:3000000",
+                "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.2",
+                3_000_000,
+            ),
+            ("COM5:20000000", "COM5", 20_000_000),
+        ] {
+            assert_eq!(parts(port), Ok((path, baud)));
+        }
     }
 
     #[test]

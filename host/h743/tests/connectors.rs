@@ -114,6 +114,25 @@ const CONNECTORS: [(&str, &str, &str); 5] = [
     ("CN10", "D0–D7, D26–D42, A6–A8", ZIO),
 ];
 
+/// Pins of CN11 and CN12 that pages name, as [`ZIO`] has them: connector, its pin, the chip's pin.
+/// BOOT0 and VDD are no pins that an image uses.
+const MORPHO: [(&str, u32, &str); 14] = [
+    ("CN11", 5, "VDD"),
+    ("CN11", 7, "BOOT0"),
+    ("CN11", 63, "PG9"),
+    ("CN11", 64, "PG15"),
+    ("CN11", 66, "PG10"),
+    ("CN12", 28, "PB14"),
+    ("CN12", 50, "PF14"),
+    ("CN12", 57, "PF13"),
+    ("CN12", 59, "PF12"),
+    ("CN12", 60, "PF15"),
+    ("CN12", 62, "PF11"),
+    ("CN12", 66, "PG8"),
+    ("CN12", 68, "PG5"),
+    ("CN12", 69, "PG4"),
+];
+
 const PAGE: &str = include_str!("../../../docs/board-h743.md");
 const BRING_UP: &str = include_str!("../../../docs/bring-up.md");
 /// The program's labels: `JUMPERS` there.
@@ -312,6 +331,32 @@ fn every_contact_has_one_connector() {
     let mut contacts: Vec<&str> = CONTACTS.iter().map(|(name, ..)| *name).collect();
     contacts.sort();
     assert_eq!(all, contacts);
+}
+
+/// Pins of CN11 and CN12 are those of the list. Each signal without a contact elsewhere is there.
+#[test]
+fn pins_of_the_outer_connectors_are_those_of_the_published_list() {
+    let signals = signals();
+    let mut named = Vec::new();
+    for row in rows(PAGE, "## Pins") {
+        for pair in row.chunks(2).filter(|pair| pair[0].contains(" pin ")) {
+            let (connector, number) = pair[0].split_once(" pin ").unwrap();
+            let found = MORPHO.iter().find(|(of, pin, _)| *of == connector && pin.to_string() == number);
+            let (.., pin) = found.unwrap_or_else(|| panic!("no source knows {}", pair[0]));
+            assert_eq!(signals[pair[1]], [*pin], "{}", pair[0]);
+            named.push(*pin);
+        }
+    }
+    let inner = |pin: &str| CONTACTS.iter().any(|(_, of, _)| *of == pin);
+    let outer = signals.values().flatten().map(String::as_str).filter(|pin| pin.starts_with(['P']) && !inner(pin));
+    // The LEDs' outputs are on the board.
+    let mut should: Vec<&str> = outer.filter(|pin| !["PE1", "PB14", "PC13"].contains(pin)).collect();
+    named.sort_unstable();
+    should.sort_unstable();
+    assert_eq!(named, should);
+    // In words: the bridge of the bootloader, and the pin to measure.
+    assert!(PAGE.contains("BOOT0 to VDD (CN11 pins 7 and 5)") && PAGE.contains("LD3 is output 2, at pin 28 of CN12"));
+    assert_eq!(signals["output 2"], ["PB14"]);
 }
 
 /// The connectors' tables, and `D6, CN10` in those of jumpers and of what is free.

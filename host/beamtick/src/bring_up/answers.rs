@@ -86,7 +86,10 @@ mod tests {
     fn after(result: &str, link: &str) -> (Result<(), Failure>, String) {
         let folder = tempfile::tempdir().unwrap();
         let page = folder.path().join("page.md");
-        assert!(page::settle(Some(&page), || Ok(Figures::default())).is_ok());
+        let vain = page::settle(Some(&page), || Ok(Figures::default()));
+        assert!(
+            matches!(vain, Err(Failure::Job(text)) if text.starts_with("nothing was measured. Give the command again"))
+        );
         let text = fs::read_to_string(&page).unwrap();
         let line = text.lines().find(|line| line.starts_with(ROW)).unwrap();
         fs::write(&page, text.replacen(line, &format!("{ROW}{result} |"), 1)).unwrap();

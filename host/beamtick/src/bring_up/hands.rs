@@ -11,7 +11,7 @@ use client::Link;
 use protocol::command::{GetClock, GetFault, SetDac, Short};
 use std::io::BufRead;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// More than any analog output gives.
 const VOLTS_MAX: f64 = 100.0;
@@ -24,6 +24,8 @@ pub trait Hands {
     fn is_out(&mut self) -> bool {
         self.link().is_err()
     }
+    /// Lets so many ms pass.
+    fn pause(&mut self, ms: u64);
     /// Says what to do, and returns the line that is typed once it is done.
     fn ask(&mut self, what: &str) -> Result<String, Failure>;
     /// Time, in ms from anywhere.
@@ -51,6 +53,10 @@ impl Hands for Terminal<'_> {
     fn is_out(&mut self) -> bool {
         // A port that another program has open is there.
         client::link::is_missing(self.link)
+    }
+
+    fn pause(&mut self, ms: u64) {
+        std::thread::sleep(Duration::from_millis(ms));
     }
 
     fn ask(&mut self, what: &str) -> Result<String, Failure> {
@@ -101,19 +107,55 @@ fn halt(hands: &mut dyn Hands, what: &str) -> Result<Figures, Failure> {
     Ok(figures)
 }
 
-/// The same, and whether the cable was out: its port is gone then.
+/// The port is looked for so often, in ms, once it is gone.
+const LOOKS_MS: u64 = 200;
+/// A port that stays away for so long has another name, or does not come again.
+const AWAY_MS: i64 = 600_000;
+/// A port that is there again may take so long until it can be opened.
+const OPENS_MS: i64 = 5000;
+
+/// The same, and how long the cable was out: its port is gone then. Nobody presses a key for its
+/// end, since that would measure the hand.
 fn unplug(hands: &mut dyn Hands) -> Result<Figures, Failure> {
-    let mut was_out = false;
+    let mut out_ms = 0;
     let (mut figures, line) = through(hands, |hands| {
         hands.ask("The board must have its supply at VIN (JP2) already. Unplug CN1 now. Then press Enter.")?;
-        was_out = hands.is_out();
-        if was_out {
-            hands.ask("Wait for a minute, and plug CN1 in again. Once its port is there, press Enter.")?;
+        if hands.is_out() {
+            complain!("CN1 is out. Wait for 10 s or more, and plug it in again. The program sees that by itself.");
+            // It was out, however short that was.
+            out_ms = time_out(hands)?.max(1);
         }
         Ok(())
     })?;
-    figures.add("unplug", line.into_iter().chain([was_out.into()]).collect());
+    figures.add("unplug", line.into_iter().chain([out_ms]).collect());
     Ok(figures)
+}
+
+/// Waits until the port is there again. Returns the time from the first look that did not find it
+/// to the last one, in ms: the cable was out for at least as long.
+fn time_out(hands: &mut dyn Hands) -> Result<i64, Failure> {
+    let began = hands.now_ms();
+    let mut out = 0;
+    loop {
+        hands.pause(LOOKS_MS);
+        let now = hands.now_ms();
+        if !hands.is_out() {
+            break;
+        }
+        out = now - began;
+        if out > AWAY_MS {
+            return Err(Failure::Job(format!(
+                "the port has not come again in {} minutes: look whether it has another name now, and give the command again \
+                 with that",
+                AWAY_MS / 60_000
+            )));
+        }
+    }
+    let there = hands.now_ms();
+    while hands.link().is_err() && hands.now_ms() - there < OPENS_MS {
+        hands.pause(LOOKS_MS);
+    }
+    Ok(out)
 }
 
 /// How much of the time in which a hand does something passes on the board: a negative number where
@@ -141,19 +183,46 @@ fn through(
 }
 
 /// The bring-up image lights both lasers until the clock stops, and says what its NMI found.
+/// However it fails, the light is ended by a byte.
 fn clock(hands: &mut dyn Hands) -> Result<Figures, Failure> {
+    found_by_guard(hands).map_err(|failure| {
+        failure.with(match hands.link().is_ok_and(|mut link| is_dark(&mut *link)) {
+            true => ". The board says that the light has ended",
+            false => ". Both lasers may be lit for five minutes: press B2 at the board",
+        })
+    })
+}
+
+fn found_by_guard(hands: &mut dyn Hands) -> Result<Figures, Failure> {
     let lit = measure(&mut *hands.link()?, b"lit\n")?;
     if lit.only::<3>("lit") != Some([1; 3]) {
         return Err(Failure::Job("there is no light: jumper 6 (docs/bring-up.md) is missing".to_owned()));
     }
-    let mut goes_on = || {
-        hands.ask(
-            "Both lasers are lit. Hold the ST-LINK in reset for a second by its own NRST (T_NRST is the STM32H743's). \
-             Then press Enter.",
-        )?;
-        measure(&mut *hands.link()?, b"why\n")
-    };
-    goes_on().map_err(|failure| failure.with(". Both lasers may be lit for five minutes: press B2 at the board"))
+    hands.ask(
+        "Both lasers are lit. Hold the ST-LINK in reset for a second by its own NRST (T_NRST is the STM32H743's). \
+         Then press Enter. Enter alone ends the light, too.",
+    )?;
+    measure(&mut *hands.link()?, b"why\n")
+}
+
+/// What the board says when a byte has ended the light.
+const DARK: &[u8] = b"# a byte has ended the light";
+/// The board says so in this time, if it does.
+const ANSWERS_NS: u64 = 500_000_000;
+
+/// Sends a byte, which ends the light: whether the board says that it has.
+fn is_dark(link: &mut dyn Link) -> bool {
+    let (began, mut said, mut bytes) = (link.now(), Vec::new(), [0; 64]);
+    let mut sent = link.send(b"\n");
+    while sent.is_ok() && link.now() - began < ANSWERS_NS {
+        sent = link.receive(&mut bytes, Duration::from_millis(20)).map(|count| {
+            said.extend_from_slice(&bytes[..count]);
+        });
+        if said.windows(DARK.len()).any(|text| text == DARK) {
+            return true;
+        }
+    }
+    false
 }
 
 /// Voltages of both outputs, by a meter.
@@ -210,13 +279,17 @@ mod tests {
             self.1 += 1;
             Ok(String::new())
         }
+        fn pause(&mut self, _: u64) {}
         fn now_ms(&mut self) -> i64 {
             0
         }
     }
 
-    /// A board that says these lines, whatever is sent to it, and a hand that goes away.
-    struct Lit(&'static [u8]);
+    /// A board that says these lines.
+    struct Lit {
+        says: &'static [u8],
+        at: u64,
+    }
 
     impl Link for Lit {
         fn name(&self) -> &str {
@@ -225,22 +298,26 @@ mod tests {
         fn send(&mut self, _: &[u8]) -> client::Result<()> {
             Ok(())
         }
-        fn receive(&mut self, buf: &mut [u8], _: std::time::Duration) -> client::Result<usize> {
-            let now = std::mem::take(&mut self.0);
+        fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
+            self.at += wait.as_nanos() as u64;
+            let now = std::mem::take(&mut self.says);
             buf[..now.len()].copy_from_slice(now);
             Ok(now.len())
         }
         fn now(&mut self) -> u64 {
-            0
+            self.at
         }
     }
 
-    struct GoesAway(&'static [u8]);
+    /// What the board says to each link that is opened, the last one first.
+    struct GoesAway(Vec<&'static str>);
 
     impl Hands for GoesAway {
         fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
-            Ok(Box::new(Lit(self.0)))
+            let says = self.0.pop().ok_or_else(|| Failure::Job("the port is gone".to_owned()))?.as_bytes();
+            Ok(Box::new(Lit { says, at: 0 }))
         }
+        fn pause(&mut self, _: u64) {}
         fn ask(&mut self, _: &str) -> Result<String, Failure> {
             Err(Failure::Input("--hands: the standard input has ended".to_owned()))
         }
@@ -249,17 +326,52 @@ mod tests {
         }
     }
 
-    /// Whoever leaves a board whose lasers are lit is told how to end the light.
+    /// Whoever leaves a board whose lasers are lit has ended the light. He is told how to end it
+    /// where the board does not say that it is dark, and where its port is gone.
     #[test]
     fn a_hand_that_goes_away_under_light_is_told_of_it() {
         let line = |text: &str| format!("{text}*{:02X}\r\n", text.bytes().fold(0, |all, byte| all ^ byte));
-        let lines: String = ["format 2", "lit 1 1 1", "end 2"].map(line).concat();
-        let mut hands = GoesAway(String::leak(lines).as_bytes());
-        let Err(Failure::Input(text)) = with(&mut hands, ByHand::Clock, None) else { panic!("it went on") };
-        assert!(
-            text.contains("has ended. Both lasers may be lit") && text.ends_with("press B2 at the board"),
-            "{text}"
-        );
+        let lit: &'static str = String::leak(["format 2", "lit 1 1 1", "end 2"].map(line).concat());
+        let dark = "\r\n# a byte has ended the light\r\n";
+        const PRESS: &str = ". Both lasers may be lit for five minutes: press B2 at the board";
+        for (says, ending) in [
+            (vec![dark, lit], ". The board says that the light has ended"),
+            (vec!["# a byte", lit], PRESS),
+            (vec!["", lit], PRESS),
+            (vec![lit], PRESS),
+        ] {
+            let Err(Failure::Input(text)) = with(&mut GoesAway(says), ByHand::Clock, None) else {
+                panic!("it went on")
+            };
+            assert_eq!(text, format!("--hands: the standard input has ended{ending}"));
+        }
+    }
+
+    /// The cable's time has neither what a hand needs before, nor what comes after.
+    #[test]
+    fn the_time_of_a_cable_is_from_its_port_that_is_gone_to_its_port_that_is_there() {
+        struct Cable(i64, std::ops::Range<i64>);
+        impl Hands for Cable {
+            fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
+                match self.1.contains(&self.0) {
+                    true => Err(Failure::Job("gone".to_owned())),
+                    false => Ok(Box::new(Lit { says: b"", at: 0 })),
+                }
+            }
+            fn pause(&mut self, ms: u64) {
+                self.0 += ms as i64;
+            }
+            fn ask(&mut self, _: &str) -> Result<String, Failure> {
+                panic!("nobody is asked")
+            }
+            fn now_ms(&mut self) -> i64 {
+                self.0
+            }
+        }
+        // The last look that does not find it is at 12,700 ms, from the first one at 2500.
+        assert_eq!(time_out(&mut Cable(2500, 1000..12_850)).unwrap(), 10_200);
+        let Err(Failure::Job(text)) = time_out(&mut Cable(0, 0..i64::MAX)) else { panic!("it came") };
+        assert!(text.starts_with("the port has not come again in 10 minutes: look whether"), "{text}");
     }
 
     /// Nobody is asked to do anything at another board.

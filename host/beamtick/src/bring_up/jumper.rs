@@ -21,7 +21,7 @@ const FOLLOWS_MS: u32 = 5;
 
 /// What to do, after what was found.
 const TO_DO: &str = "Nothing was moved or lit. Take this board off its machine, connect nothing but jumpers to it, and put \
-    jumper 6 in (docs/bring-up.md): D2 (CN10) to D37 (CN10), D60 (CN9), D49 (CN8) and D20 (CN7)";
+    jumper 6 in (docs/bring-up.md): D2 (CN10), D37 (CN10), D60 (CN9), D49 (CN8) and D20 (CN7), all joined at one point";
 
 /// See the module text.
 pub fn prove(client: &Client, check: Check<'_>) -> Result<(), Failure> {

@@ -5,6 +5,7 @@
 //! for the reason of an early end. What comes before the line `format` is not read, but counted.
 //! Fails: a damaged line, an unknown format, a count of lines that is not the one sent.
 use crate::Failure;
+use crate::summary::counted;
 use std::collections::BTreeMap;
 
 /// The version of the lines that is read.
@@ -108,7 +109,7 @@ impl Reader {
         } else {
             format!("; it said: {}", quoted(&self.remark, REMARK_CHARS))
         };
-        format!("the board fell silent after {} lines{said}", self.lines)
+        format!("the board fell silent after {}{said}", counted(self.lines, "line", "lines"))
     }
 
     /// More bytes; true at the end of the run.
@@ -168,7 +169,7 @@ impl Reader {
             .map_err(|why| Failure::Job(format!("line {}: {why}: {}", self.lines + 1, quoted(line, QUOTED_CHARS))))?;
         if name == "end" {
             if numbers != [self.lines] {
-                return Err(Failure::Job(format!("{} lines have come, the board has sent {numbers:?}", self.lines)));
+                return Err(Failure::Job(format!("{}, the board has sent {numbers:?}", have_come(self.lines))));
             }
             return Ok(true);
         }
@@ -176,6 +177,11 @@ impl Reader {
         self.figures.add(name, numbers);
         Ok(false)
     }
+}
+
+/// How many lines have come.
+pub fn have_come(lines: i64) -> String {
+    counted(lines, "line has come", "lines have come")
 }
 
 /// A line without its end.
@@ -238,11 +244,11 @@ mod tests {
         assert_eq!(feed(begin.clone() + "a 1*00\n"), "line 2: the checksum is wrong: a 1*00");
         assert_eq!(feed(begin.clone() + "a 1\n"), "line 2: no checksum: a 1");
         assert_eq!(feed(begin.clone() + &line("a x")), "line 2: not a number: ".to_owned() + line("a x").trim());
-        assert_eq!(feed(begin.clone() + &line("end 2")), "1 lines have come, the board has sent [2]");
+        assert_eq!(feed(begin.clone() + &line("end 2")), "1 line has come, the board has sent [2]");
         assert_eq!(feed(line("format 1")), "the image sends format [1], this program reads 2: build both anew");
         assert_eq!(
             feed(begin + "# hard fault at 0\n"),
-            "false the board fell silent after 1 lines; it said: hard fault at 0"
+            "false the board fell silent after 1 line; it said: hard fault at 0"
         );
         // What a terminal would obey is no line, and is not printed.
         let wild = begin_again + "\u{1b}[2Jé" + &"x".repeat(5000) + "\n";

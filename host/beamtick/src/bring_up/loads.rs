@@ -70,12 +70,13 @@ pub fn over(mut link: Box<dyn Link>, soak_s: Option<u32>, page: Option<&Path>) -
         let (settled, lossy) = page::settled(before, &figures)?;
         failed = late + lossy;
         let rows = TICKS_US.len() * LOADS.len();
-        Ok((with_section(&settled, &section), format!("{rows} loads and ticks, {failed} rows failed")))
+        Ok((with_section(&settled, &section), format!("{rows} loads and ticks, {}", page::rows_failed(failed))))
     })?;
     match failed {
         0 => Ok(()),
         failed => Err(Failure::Job(format!(
-            "{failed} rows failed: ticks took longer than their period, or the link lost some"
+            "{}: ticks took longer than their period, or the link lost some",
+            page::rows_failed(failed)
         ))),
     }
 }

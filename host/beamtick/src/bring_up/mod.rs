@@ -18,6 +18,7 @@ mod ticks;
 use crate::Failure;
 use crate::connect;
 use crate::interrupt::{self, Held};
+use crate::summary::counted;
 use client::{Client, Link, Options};
 pub use hands::Hands;
 use hands::Terminal;
@@ -51,6 +52,8 @@ const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image: `c
     3000000. LD3 (red) alone: the image refuses the chip, which is no STM32H743 of revision X or V (assumption 6)";
 const NO_OWN_IMAGE: &str = "This wants the board's own image, and maybe the bring-up image runs: `cargo flash-board`, or copy \
     out/beamtick-h743-VERSION.hex (`cargo xtask image`) onto the board's drive. The link is the ST-LINK's port with its rate, 3000000";
+const NO_FIGURE: &str = "the run has ended, and no row of the page has got a figure. The image and this program do not belong \
+    together: build and flash the image anew (`cargo bring-up`), press B2, and give the command again";
 /// What is said where a signal ends the program at once.
 const CUT: &str = "bring-up was cut short: the page is as it was. Press B2 at the board, then give the command again";
 
@@ -101,7 +104,11 @@ pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure>
     let held = Held::new();
     let outcome = page::write(name, |before| {
         page::check_subject(name, before)?;
-        let text = page::kept(name, before, Report::of(&measure(&mut *link, ORDER)?).text())?;
+        let report = Report::of(&measure(&mut *link, ORDER)?);
+        if !report.has_figures() {
+            return Err(Failure::Job(NO_FIGURE.to_owned()));
+        }
+        let text = page::kept(name, before, report.text())?;
         failed = page::failed(&text);
         let summary = page::summary(&text);
         Ok((text, summary))
@@ -147,8 +154,8 @@ fn measure(link: &mut dyn Link, order: &[u8]) -> Result<Figures, Failure> {
         if now - began > ENDS_NS {
             let seconds = ENDS_NS / 1_000_000_000;
             return Err(Failure::Job(format!(
-                "the run does not end: {} lines have come in {seconds} s",
-                reader.lines()
+                "the run does not end: {} in {seconds} s",
+                lines::have_come(reader.lines())
             )));
         }
     }
@@ -159,8 +166,9 @@ fn no_run(reader: &Reader) -> String {
     match reader.foreign() {
         None => NO_ANSWER.into(),
         Some((bytes, first)) => format!(
-            "{bytes} bytes have come, and no line of the bring-up image: they begin with \"{first}\". Another image runs, this is \
-             another device's port, or the rate is not 3000000. Flash the bring-up image: `cargo bring-up`; the link is {PORT}"
+            "{} come, and no line of the bring-up image: the first are \"{first}\". Another image runs, this is another \
+             device's port, or the rate is not 3000000. Flash the bring-up image: `cargo bring-up`; the link is {PORT}",
+            counted(bytes as i64, "byte has", "bytes have")
         ),
     }
 }
@@ -187,6 +195,17 @@ mod tests {
         fn now(&mut self) -> u64 {
             self.1
         }
+        fn real_time(&self) -> bool {
+            false
+        }
+    }
+
+    /// What wants the board's own image says so where that does not answer.
+    #[test]
+    fn another_image_than_the_boards_own_is_told_how_to_flash_that() {
+        let Err(Failure::Job(text)) = own_image(Box::new(Talks(b"", 0))) else { panic!("it answers") };
+        assert!(text.contains("does not answer") && text.ends_with(&format!(". {NO_OWN_IMAGE}")), "{text}");
+        assert!(NO_OWN_IMAGE.contains("maybe the bring-up image runs: `cargo flash-board`"));
     }
 
     /// Whatever comes, the program ends, and says what came.
@@ -205,7 +224,7 @@ mod tests {
             let (seconds, text) = ended(says);
             assert_eq!(seconds, 15);
             assert!(
-                text.contains(&format!("begin with \"{quoted}")) && text.contains("the rate is not 3000000"),
+                text.contains(&format!("the first are \"{quoted}")) && text.contains("the rate is not 3000000"),
                 "{text}"
             );
         }
@@ -246,6 +265,25 @@ mod tests {
             ("the run does not end: 2 lines have come in 120 s", 120)
         );
         assert_eq!(link.1, 2);
+    }
+
+    /// A run without a figure is none, and the page of before stays.
+    #[test]
+    fn a_run_without_any_figure_fails_and_says_what_to_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let page = folder.path().join("page.md");
+        let name = page.to_str().unwrap();
+        let talks = |says| crate::bring_up_over(Box::new(Talks(says, 0)), &["--page", name]);
+        let Err(Failure::Job(text)) = talks(b"format 2*11\r\nend 1*7E\r\n") else { panic!("it has ended well") };
+        assert!(text.starts_with("the run has ended, and no row of the page has got a figure."), "{text}");
+        assert!(
+            text.contains("flash the image anew (`cargo bring-up`), press B2, and give the command again"),
+            "{text}"
+        );
+        assert!(!page.exists());
+        // One figure is enough: RCC_RSR.
+        let one = talks(b"format 2*11\r\ncause 16384000*49\r\nend 2*7D\r\n");
+        assert!(one.is_ok() && page.exists(), "{one:?}");
     }
 
     #[test]

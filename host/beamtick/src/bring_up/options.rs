@@ -28,7 +28,7 @@ pub enum AnsweringBoard {
 pub enum ByHand {
     /// A debugger halts the core for two seconds; the board's own image.
     Halt,
-    /// The Nucleo is supplied by VIN, and CN1 is unplugged for a minute; the board's own image.
+    /// The Nucleo is supplied by VIN, and CN1 is unplugged for 10 s or more; the board's own image.
     Unplug,
     /// The ST-LINK is held in reset under light; the bring-up image.
     Clock,
@@ -39,7 +39,8 @@ pub enum ByHand {
 /// `beamtick bring-up`.
 #[derive(Debug, Args)]
 pub struct BringUp {
-    /// serial:PATH:3000000, the ST-LINK's port.
+    /// serial:PATH:3000000, the ST-LINK's port. Without a rate it is opened at 921600, at which
+    /// that port hears no image.
     #[arg(long)]
     pub link: String,
     /// The board runs its own image: measures how long its servo ticks take under loads.

@@ -3,10 +3,15 @@
 //!
 //! In: figures, the name of a file. Out: Markdown. Owns the file: it gets its name once it is
 //! whole. Fails: a file that cannot be written, before anything is measured.
+mod again;
+
 use super::lines::Figures;
 use super::rows::{Row, Verdict, elsewhere, rows};
 use crate::Failure;
 use crate::output::{self, Output};
+use crate::summary::counted as number_of;
+use again::UNKNOWN;
+pub use again::{check_subject, kept};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -84,13 +89,13 @@ impl Report {
     /// Judges the figures.
     pub fn of(figures: &Figures) -> Report {
         let judged = rows().into_iter().map(|row| (row, (row.judge)(figures))).collect();
-        let unknown = || "unknown".to_owned();
+        let unknown = || UNKNOWN.to_owned();
         let unique = figures.only::<3>("unique").map(|words| words.map(|word| format!("{word:08x}")).join("-"));
         let image = version(figures.only("version"), figures.only("build"));
-        let board = figures.all("board").first().map(|bytes| bytes.iter().filter_map(letter).collect());
+        let board = figures.all("board").first().map(|bytes| bytes.iter().filter_map(letter).collect::<String>());
         let of = format!(
             "Board {}, bring-up image {}, chip {}",
-            board.unwrap_or_else(unknown),
+            board.filter(|name| !name.is_empty()).unwrap_or_else(unknown),
             image.unwrap_or_else(unknown),
             unique.unwrap_or_else(unknown)
         );
@@ -104,6 +109,11 @@ impl Report {
     /// Rows that failed.
     fn failed(&self) -> usize {
         self.count(|verdict| matches!(verdict, Verdict::Fail(_)))
+    }
+
+    /// Whether the board has measured anything.
+    pub fn has_figures(&self) -> bool {
+        self.count(|verdict| !matches!(verdict, Verdict::NotMeasured(_))) > 0
     }
 
     /// One line.
@@ -218,7 +228,12 @@ pub fn complete(page: &str) -> Result<(), Failure> {
 }
 
 fn is_page(text: &str) -> bool {
-    text.contains("\n| row |") && text.contains(" rows passed, ")
+    text.contains("\n| row |") && text.lines().any(is_count)
+}
+
+/// Whether a line has the counts of the results.
+fn is_count(line: &str) -> bool {
+    line.contains(" passed, ") && line.contains(" failed, ") && line.contains(". A number")
 }
 
 /// A version and what tells its builds apart: a checksum of the bring-up image, the hash of the
@@ -255,76 +270,6 @@ fn on(verdict: Verdict, figures: &Figures) -> Verdict {
     }
 }
 
-/// The board, its image and the chip of which a page is, where the board has said all three.
-fn subject(page: &str) -> Option<(&str, &str, &str)> {
-    let line = page.lines().find_map(|line| line.split_once(BY)?.0.strip_prefix("Board "))?;
-    let (board, rest) = line.split_once(", bring-up image ")?;
-    let (image, chip) = rest.split_once(", chip ")?;
-    (!line.contains("unknown")).then_some((board, image, chip))
-}
-
-/// Fails where a page does not say of which chip it is: a run would take it for its own.
-pub fn check_subject(name: Option<&Path>, before: &str) -> Result<(), Failure> {
-    let Some(name) = name.filter(|_| is_page(before) && subject(before).is_none()) else { return Ok(()) };
-    Err(Failure::Input(format!(
-        "--page {} does not say of which chip it is: it began without the bring-up image. Rename it, or name another file; \
-         then repeat what it has settled",
-        name.display()
-    )))
-}
-
-/// A page of a new run, with what other runs have settled on the one before: their rows and
-/// sections stay, with their days, while their image is the same. Fails where the page before is
-/// another chip's, which is not replaced.
-pub fn kept(name: Option<&Path>, before: &str, page: String) -> Result<String, Failure> {
-    let (Some(was), Some(is)) = (subject(before), subject(&page)) else { return Ok(page) };
-    if (was.0, was.2) != (is.0, is.2) {
-        let name = name.unwrap_or(Path::new("bring-up.md"));
-        let other = name.with_file_name(format!("bring-up-{}.md", is.2));
-        return Err(Failure::Input(format!(
-            "--page {} is of another board: {}, chip {}. This one is {}, chip {}. Rename that page, or name another file: \
-             --page {}",
-            name.display(),
-            was.0,
-            was.2,
-            is.0,
-            is.2,
-            other.display()
-        )));
-    }
-    // The board's own image of this release and this program's protocol, and the bring-up image.
-    let release = is.1.split('-').next().unwrap_or_default();
-    let same = [format!("image {release}-{:08x}, ", protocol::SCHEMA), format!("image {}, ", is.1)];
-    let is_of_another_image = |text: &str| text.contains("image ") && !same.iter().any(|image| text.contains(image));
-    let mut text = page.clone();
-    for row in elsewhere() {
-        let of = |page: &str| page.lines().find(|line| line.starts_with(&head(row))).map(str::to_owned);
-        let (Some(old), Some(new)) = (of(before), of(&text)) else { continue };
-        let rest = old.strip_prefix(&head(row)).unwrap_or_default();
-        if rest.starts_with("not measured ") {
-            continue;
-        }
-        if is_of_another_image(rest) {
-            say!("{}: settled by another image, so it is not taken over: {}", row.what, rest.trim_end_matches(" |"));
-            continue;
-        }
-        text = text.replacen(&new, &old, 1);
-        if rest.starts_with("**FAIL** ") {
-            text = advised(&text, row);
-        }
-    }
-    for section in before.split("\n## ").skip(1).filter(|section| !format!("## {section}").starts_with(ADVICE)) {
-        let dated = section.lines().find(|line| line.contains(BY)).unwrap_or_default();
-        if is_of_another_image(dated) {
-            let title = section.lines().next().unwrap_or_default();
-            say!("{title}: measured with another image, so it is not taken over; measure it again");
-            continue;
-        }
-        text = format!("{}\n\n## {}\n", text.trim_end(), section.trim_end());
-    }
-    Ok(recounted(&text))
-}
-
 /// Rows of a page that failed, but not those of its sections.
 pub fn failed(page: &str) -> usize {
     results(page).filter(|result| *result == "**FAIL**").count()
@@ -359,7 +304,7 @@ pub fn summary(page: &str) -> String {
 /// With the counts of the first table's results.
 fn recounted(text: &str) -> String {
     let line = |line: &str| match line.split_once(". A number") {
-        Some((head, rest)) if head.contains(" rows passed, ") => format!("{}. A number{rest}\n", summary(text)),
+        Some((_, rest)) if is_count(line) => format!("{}. A number{rest}\n", summary(text)),
         _ => format!("{line}\n"),
     };
     text.lines().map(line).collect()
@@ -367,27 +312,59 @@ fn recounted(text: &str) -> String {
 
 /// One line.
 fn counted([passed, failed, figures, not_measured]: [usize; 4]) -> String {
-    format!("{passed} rows passed, {failed} failed, {figures} figures, {not_measured} not measured")
+    let of = |count: usize, one, many| number_of(count as i64, one, many);
+    let (passed, figures) = (of(passed, "row", "rows"), of(figures, "figure", "figures"));
+    format!("{passed} passed, {failed} failed, {figures}, {not_measured} not measured")
 }
 
 /// Settles rows of the page by the figures of another run than that of the bring-up image.
 pub fn settle(name: Option<&Path>, measure: impl FnOnce() -> Result<Figures, Failure>) -> Result<(), Failure> {
-    let mut count = 0;
+    let (mut count, mut vain) = (0, None);
     write(name, |before| {
         // Before anybody waits for a measurement that the page has no row for.
         complete(before)?;
-        let (text, failed) = settled(before, &measure()?)?;
-        count = failed;
-        Ok((text, format!("{failed} of these rows failed")))
+        let figures = measure()?;
+        let (text, failed) = settled(before, &figures)?;
+        (count, vain) = (failed, in_vain(&figures));
+        Ok((text, if vain.is_some() { NOTHING.to_owned() } else { rows_failed(failed) }))
     })?;
-    failure(count)
+    vain.map_or_else(|| failure(count), |vain| Err(Failure::Job(vain)))
+}
+
+/// What is said of a run that settled no row.
+const NOTHING: &str = "nothing was measured";
+
+/// What to do after a run that settled no row, and why it did not; none where it settled one.
+fn in_vain(figures: &Figures) -> Option<String> {
+    let mut why = String::new();
+    for row in elsewhere() {
+        match (row.judge)(figures) {
+            Verdict::NotMeasured(said) if said != unmeasured(row) => why += &format!(". {}: {said}", row.what),
+            Verdict::NotMeasured(_) => {}
+            _ => return None,
+        }
+    }
+    Some(format!("{NOTHING}{why}. Give the command again, and do what it asks for (docs/bring-up.md)"))
+}
+
+/// What a row says before anything measures it.
+fn unmeasured(row: &Row) -> String {
+    match (row.judge)(&Figures::default()) {
+        Verdict::NotMeasured(why) => why,
+        other => format!("{other:?}"),
+    }
+}
+
+/// How many rows failed.
+pub fn rows_failed(count: usize) -> String {
+    format!("{} failed", number_of(count as i64, "row", "rows"))
 }
 
 /// What rows that failed end with.
 pub fn failure(failed: usize) -> Result<(), Failure> {
     match failed {
         0 => Ok(()),
-        failed => Err(Failure::Job(format!("{failed} rows failed; the page says what to change"))),
+        failed => Err(Failure::Job(format!("{}; the page says what to change", rows_failed(failed)))),
     }
 }
 
@@ -404,13 +381,13 @@ fn numbers(assumptions: &[u8]) -> String {
 mod tests {
     use super::*;
 
-    fn figures(name: &str, numbers: &[i64]) -> Figures {
+    pub fn figures(name: &str, numbers: &[i64]) -> Figures {
         let mut figures = Figures::default();
         figures.add(name, numbers.to_vec());
         figures
     }
 
-    fn line<'a>(page: &'a str, what: &str) -> &'a str {
+    pub fn line<'a>(page: &'a str, what: &str) -> &'a str {
         page.lines().find(|line| line.starts_with(&format!("| {what} | "))).unwrap()
     }
 
@@ -424,7 +401,7 @@ mod tests {
         let (bad, failed) = settled(&page, &figures("clock-lost", &[1, 1, 1, 0, 1, 0])).unwrap();
         assert_eq!((failed, line(&bad, WATCHDOG)), (1, before.as_str()));
         assert!(line(&bad, CLOCK).contains("| **FAIL** | MOE of TIM1 0, TIM15 1, TIM8 0 in"), "{bad}");
-        assert!(bad.contains("\n1 rows passed, 1 failed, 0 figures, ") && bad.contains(" | pass | 100.0 ms"), "{bad}");
+        assert!(bad.contains("\n1 row passed, 1 failed, 0 figures, ") && bad.contains(" | pass | 100.0 ms"), "{bad}");
         assert!(bad.contains(&format!(" |\n\n{ADVICE}\n\n- {CLOCK}: ")), "{bad}");
         // A section after the table stays the last one.
         let bad = bad + "\n## Ticks under load\n\n| a | 21 | pass | b |\n";
@@ -439,12 +416,12 @@ mod tests {
 
     const BOARD: [(&str, &[i64]); 4] =
         [("board", &[110, 117, 99]), ("version", &[0, 1, 0]), ("build", &[0xab]), ("unique", &[1, 2, 3])];
-    const HALT: &str = "the watchdog while a debugger halts the core";
-    const CLOCK: &str = "the clock's guard breaks the timers";
-    const SOAK: &str = "endpoints of USB that are set again";
+    pub const HALT: &str = "the watchdog while a debugger halts the core";
+    pub const CLOCK: &str = "the clock's guard breaks the timers";
+    pub const SOAK: &str = "endpoints of USB that are set again";
 
     /// The page of a run of the bring-up image, with one of these lines another one.
-    fn run_of(other: Option<(&str, &[i64])>) -> String {
+    pub fn run_of(other: Option<(&str, &[i64])>) -> String {
         let mut all = Figures::default();
         for (name, numbers) in BOARD {
             let numbers = other.filter(|(of, _)| *of == name).map_or(numbers, |(_, numbers)| numbers);
@@ -454,14 +431,14 @@ mod tests {
     }
 
     /// A page with a row that the board's own image has settled, of this schema.
-    fn with(page: &str, name: &str, numbers: &[i64], schema: u32) -> String {
+    pub fn with(page: &str, name: &str, numbers: &[i64], schema: u32) -> String {
         let mut figures = figures(name, numbers);
         figures.add("image", vec![0, 1, 0, schema.into()]);
         settled(page, &figures).unwrap().0
     }
 
     /// A page on which other runs have settled rows, and a section.
-    fn page_of_others() -> String {
+    pub fn page_of_others() -> String {
         let page = with(&run_of(None), "halt", &[3000, 1000, 0], protocol::SCHEMA);
         let mut clock = figures("clock-lost", &[1, 1, 1, 0, 1, 0]);
         clock.add("version", vec![0, 1, 0]);
@@ -470,58 +447,6 @@ mod tests {
         let page = with(&page, "soak", &[3600, 9, 0, 1, 0], protocol::SCHEMA);
         let section = dated(&format!("Board nuc, image 0.1.0-{:08x}, over serial", protocol::SCHEMA));
         page.trim_end().to_owned() + "\n\n## Ticks under load\n\n" + &section + "\n\n| a | 21 | pass | b |\n"
-    }
-
-    fn again(before: &str, page: String) -> String {
-        kept(None, before, page).unwrap()
-    }
-
-    /// A new run takes nothing from what others have settled, unless their image is another one.
-    #[test]
-    fn what_other_runs_have_settled_outlasts_a_new_run_of_the_same_board() {
-        let page = page_of_others();
-        assert_eq!(summary(&page).split(", 0 figures").next(), Some("2 rows passed, 1 failed"), "{page}");
-        let next = again(&page, run_of(None));
-        assert_eq!(next, page);
-        let own = format!("(image 0.1.0-{:08x}, {}) |", protocol::SCHEMA, today());
-        assert!(line(&next, HALT).ends_with(&format!("it stood for 2.0 s and went on {own}")));
-        assert!(line(&next, SOAK).ends_with(&format!(" 0 frames lost or damaged {own}")));
-        assert!(line(&next, CLOCK).ends_with(&format!("(image 0.1.0-000000ab, {}) |", today())), "{next}");
-        assert_eq!((failed(&next), next.matches(&format!("- {CLOCK}: ")).count()), (1, 1));
-        // A day goes on as it is.
-        let old = page.replace(&today().to_string(), "2001-02-03");
-        assert!(line(&again(&old, run_of(None)), HALT).ends_with(", 2001-02-03) |"));
-        // Another build of the bring-up image takes back what that has settled, and no more.
-        let next = again(&page, run_of(Some(("build", &[0xac]))));
-        assert!(line(&next, CLOCK).contains(" | not measured | ") && !next.contains(&format!("- {CLOCK}: ")), "{next}");
-        assert!(line(&next, HALT).contains(" | pass | ") && next.contains("## Ticks under load"), "{next}");
-        // Another protocol of the board's own image takes back its rows and its section.
-        let old = page.replace(&format!("-{:08x}, ", protocol::SCHEMA), "-00000001, ");
-        let next = again(&old, run_of(None));
-        assert!(line(&next, HALT).contains(" | not measured | ") && !next.contains("## Ticks under load"), "{next}");
-        assert!(line(&next, CLOCK).contains(" | **FAIL** | "), "{next}");
-        // So does another release.
-        let next = again(&page, run_of(Some(("version", &[0, 1, 1]))));
-        assert_eq!(next, run_of(Some(("version", &[0, 1, 1]))));
-    }
-
-    /// A page of another board is not replaced, nor one that does not say of which it is.
-    #[test]
-    fn a_page_of_another_board_stays() {
-        let page = page_of_others();
-        for other in [("board", &[110, 118][..]), ("unique", &[1, 2, 4])] {
-            let name = Path::new("out/page.md");
-            let Err(Failure::Input(text)) = kept(Some(name), &page, run_of(Some(other))) else { panic!("{other:?}") };
-            assert!(text.starts_with("--page out/page.md is of another board: nuc, chip 00000001-"), "{text}");
-            let of = if other.0 == "unique" { 4 } else { 3 };
-            let advice = format!("--page out/bring-up-00000001-00000002-{of:08x}.md");
-            assert!(text.ends_with(&advice), "{text}");
-        }
-        let nobodys = with("", "halt", &[3000, 1000, 0], protocol::SCHEMA);
-        let name = Some(Path::new("page.md"));
-        let Err(Failure::Input(text)) = check_subject(name, &nobodys) else { panic!() };
-        assert!(text.starts_with("--page page.md does not say of which chip it is"), "{text}");
-        assert!(check_subject(name, &page).is_ok() && check_subject(name, "").is_ok());
     }
 
     /// What came to nothing takes back no row; silence of a port that may be another device's takes
@@ -582,7 +507,7 @@ mod tests {
         assert!(text.contains("has no row \"voltages of an external DAC\""), "{text}");
         let (page, failed) = settled("", &figures("dac", &[1, 5000, 4900])).unwrap();
         assert!(
-            failed == 0 && page.starts_with("# Bring-up\n") && page.contains("\n1 rows passed, 0 failed, "),
+            failed == 0 && page.starts_with("# Bring-up\n") && page.contains("\n1 row passed, 0 failed, "),
             "{page}"
         );
         assert_eq!(settled(&page, &figures("dac", &[1, 5000, 4899])).unwrap().1, 1);

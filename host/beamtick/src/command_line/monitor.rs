@@ -11,8 +11,8 @@ pub struct Monitor {
     #[arg(requires = "command")]
     pub program: Option<PathBuf>,
     /// To look: tcp:HOST:PORT, of `beamtick serve` or of a --share. With --command also
-    /// serial:PATH[:BAUD], qemu or virtual. Without it tcp:127.0.0.1:5000; with --command the link
-    /// of the machine file, and if that names none, virtual.
+    /// serial:PATH[:BAUD] (without BAUD 921600), qemu or virtual. Without it tcp:127.0.0.1:5000;
+    /// with --command the link of the machine file, and if that names none, virtual.
     #[arg(long)]
     pub link: Option<String>,
     #[command(flatten)]

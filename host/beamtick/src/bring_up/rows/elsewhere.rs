@@ -157,9 +157,12 @@ fn halt(figures: &Figures) -> Verdict {
 /// For so long the cable is out at least, in ms.
 const UNPLUGGED_MS: i64 = 10_000;
 
+/// The cable's own time decides, and the clock is compared over all of the dialogue: what it lost
+/// meanwhile, it lost while the cable was out.
 fn unplug(figures: &Figures) -> Verdict {
-    let Some([passed, advanced, fault, was_out]) = figures.only("unplug") else { return option("--hands unplug", OWN) };
-    if was_out == 0 {
+    let Some([passed, advanced, fault, out]) = figures.only("unplug") else { return option("--hands unplug", OWN) };
+    let seconds = |ms: i64| format!("{}.{} s", ms / 1000, ms % 1000 / 100);
+    if out == 0 {
         return Verdict::NotMeasured(
             "`bring-up --hands unplug` opened its port all the same: the cable was not out".to_owned(),
         );
@@ -170,14 +173,20 @@ fn unplug(figures: &Figures) -> Verdict {
     if fault != 0 {
         return Verdict::Fail(format!("fault {fault}: `beamtick info` names it"));
     }
-    if passed < UNPLUGGED_MS {
-        return Verdict::NotMeasured(format!(
-            "`bring-up --hands unplug` took {passed} ms only: leave the cable out for a minute"
-        ));
-    }
     // The host's clock and the delays of two calls.
     let off = advanced - passed;
-    Verdict::of(off.abs() <= 1000 + passed / 100, format!("the board's clock went on for {advanced} ms of {passed}"))
+    if off.abs() > 1000 + passed / 100 {
+        let [advanced, passed, out] = [advanced, passed, out].map(seconds);
+        return Verdict::Fail(format!("the board's clock went on for {advanced} of {passed}; CN1 was out for {out}"));
+    }
+    if out < UNPLUGGED_MS {
+        return Verdict::NotMeasured(format!(
+            "`bring-up --hands unplug` saw CN1 out for {}: leave it out for {} or more",
+            seconds(out),
+            seconds(UNPLUGGED_MS)
+        ));
+    }
+    Verdict::Pass(format!("CN1 was out for {}, and the board's clock went on", seconds(out)))
 }
 
 fn clock(figures: &Figures) -> Verdict {

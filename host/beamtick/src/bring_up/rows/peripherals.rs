@@ -5,6 +5,7 @@
 use super::captures::{self, JUMPERS, TICK};
 use super::{Row, Verdict, all_parts};
 use crate::bring_up::lines::Figures;
+use crate::summary::counted;
 
 pub const ROWS: &[Row] = &[
     Row {
@@ -78,7 +79,7 @@ fn lock_up(figures: &Figures) -> Verdict {
             [edge] if (edge - at).rem_euclid(TICK) <= DARK_COUNTS => {
                 good.push(format!("laser {laser} dark {} counts after it", (edge - at).rem_euclid(TICK)));
             }
-            more => wrong.push(format!("laser {laser}: {} edges after it", more.len())),
+            more => wrong.push(format!("laser {laser}: {} after it", counted(more.len() as i64, "edge", "edges"))),
         }
     }
     all_parts(wrong, &good.join(", "), missing)
