@@ -248,31 +248,41 @@ impl Refusal {
     }
 }
 
-/// Why an axis or a coordinate system came to standstill, by the number that an event carries.
-pub const fn stop_reason(number: u16) -> &'static str {
-    match number {
-        0 => "it has not moved",
-        1 => "it has ended",
-        2 => "a smooth Stop",
-        3 => "an abrupt Stop",
-        4 => "the positive limit switch",
-        5 => "the negative limit switch",
-        6 => "the positive soft limit",
-        7 => "the negative soft limit",
-        8 => "the drive's alarm",
-        9 => "the following error",
-        10 => "an underrun",
-        11 => "the edge of travel",
-        12 => "its servo went off",
-        13 => "the host link was lost",
-        14 => "a Reset",
-        15 => "an input did not come in time",
-        16 => "the step limit",
-        17 => "another axis could not go along",
-        18 => "an abort",
-        19 => "the interlock or emergency-stop input",
-        _ => "an unknown reason",
-    }
+/// Why an axis or a coordinate system came to standstill: the cause, and how a summary says it. The
+/// place is the number that events and statuses carry.
+const STOP_REASONS: [(&str, &str); 20] = [
+    ("it has not moved", "never moved"),
+    ("it has ended", "motion completed"),
+    ("a smooth Stop", "stopped smoothly by a Stop"),
+    ("an abrupt Stop", "stopped abruptly by a Stop"),
+    ("the positive limit switch", "stopped by the positive limit input"),
+    ("the negative limit switch", "stopped by the negative limit input"),
+    ("the positive soft limit", "stopped at the positive software limit"),
+    ("the negative soft limit", "stopped at the negative software limit"),
+    ("the drive's alarm", "stopped by the drive alarm"),
+    ("the following error", "stopped: following error beyond its limit"),
+    ("an underrun", "UNDERRUN: the data ran out at speed"),
+    ("the edge of travel", "stopped at the edge of travel, 2^40 pulses"),
+    ("its servo went off", "servo switched off"),
+    ("the host link was lost", "stopped: the host link was lost"),
+    ("a Reset", "reset"),
+    ("an input did not come in time", "stopped: an input that FollowDiBitEx waits for did not come in time"),
+    ("the step limit", "stopped: its master would have taken it beyond the step limit"),
+    ("another axis could not go along", "stopped: another axis could not go along"),
+    ("an abort", "stopped smoothly by an abort"),
+    ("the interlock or emergency-stop input", "stopped by the interlock or emergency-stop input"),
+];
+
+/// The cause of a standstill.
+pub fn stop_reason(number: u16) -> &'static str {
+    STOP_REASONS.get(usize::from(number)).map_or("an unknown reason", |(cause, _)| cause)
+}
+
+/// How a summary says why an axis stopped last.
+pub fn stop_summary(number: u16) -> &'static str {
+    STOP_REASONS
+        .get(usize::from(number))
+        .map_or("stopped for a reason that this client does not know", |(_, summary)| summary)
 }
 
 /// Why a laser channel is dark until it is cleared, by the number that GetLaserFault reports (SPEC

@@ -15,7 +15,7 @@ use crate::source::Source;
 use client::{Client, Error, LinkCounters, Progress, laser_cause};
 use job::{Axis, Crd};
 use protocol::command::{AxisItem, CrdInfo, CrdState, EventItem, GetEvents, GetPtState, LaserState, LaserStatus};
-use protocol::reason::{Reason, Refusal};
+use protocol::reason::{Reason, Refusal, stop_summary};
 use protocol::values::status::{self, RUNNING};
 use protocol::values::{event, laser_fault, mode, path_stop, pt_state};
 use serde::Serialize;
@@ -385,7 +385,7 @@ fn path_end(state: &CrdState) -> String {
         (0, path_stop::NEVER) => "never moved".to_owned(),
         (0, path_stop::COMPLETED) => "path completed".to_owned(),
         (0, path_stop::UNDERRUN) => "UNDERRUN: its entries ran out at speed".to_owned(),
-        (0, _) => format!("{}; CrdStart continues", reason(state.reason.get())),
+        (0, _) => format!("{}; CrdStart continues", stop_summary(state.reason.get())),
         _ => "moving".to_owned(),
     }
 }
@@ -416,33 +416,6 @@ fn pt_text(state: u8) -> &'static str {
     }
 }
 
-/// Why an axis stopped last, by the numbers of `AxisStatus`.
-fn reason(number: u16) -> &'static str {
-    match number {
-        0 => "never moved",
-        1 => "motion completed",
-        2 => "stopped smoothly by a Stop",
-        3 => "stopped abruptly by a Stop",
-        4 => "stopped by the positive limit input",
-        5 => "stopped by the negative limit input",
-        6 => "stopped at the positive software limit",
-        7 => "stopped at the negative software limit",
-        8 => "stopped by the drive alarm",
-        9 => "stopped: following error beyond its limit",
-        10 => "UNDERRUN: the data ran out at speed",
-        11 => "stopped at the edge of travel, 2^40 pulses",
-        12 => "servo switched off",
-        13 => "stopped: the host link was lost",
-        14 => "reset",
-        15 => "stopped: an input that FollowDiBitEx waits for did not come in time",
-        16 => "stopped: its master would have taken it beyond the step limit",
-        17 => "stopped: another axis could not go along",
-        18 => "stopped smoothly by an abort",
-        19 => "stopped by the interlock or emergency-stop input",
-        _ => "stopped for a reason that this client does not know",
-    }
-}
-
 /// How an axis came to standstill, by the script's end or by its reason; its latched status bits.
 fn ended(report: &Report<'_, '_>, axis: &Axis, item: &AxisItem) -> (&'static str, Vec<&'static str>) {
     let word = item.status.get();
@@ -451,7 +424,7 @@ fn ended(report: &Report<'_, '_>, axis: &Axis, item: &AxisItem) -> (&'static str
     } else if word & RUNNING != 0 {
         "moving"
     } else {
-        reason(item.reason.get())
+        stop_summary(item.reason.get())
     };
     (how, status::faults(word).collect())
 }
