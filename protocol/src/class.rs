@@ -186,7 +186,7 @@ mod tests {
             };
             assert_eq!(types(command), ["I16"; 3][..wanted], "{}", command.name);
             assert!(command.items.is_empty(), "{}", command.name);
-            let named = |place: usize, name: &str| command.fields.get(place).is_none_or(|(field, _)| *field == name);
+            let named = |index: usize, name: &str| command.fields.get(index).is_none_or(|(field, _)| *field == name);
             assert!(named(0, "core"), "{}", command.name);
             let last = if command.class.kind == CommandKind::Read(ReadOf::Axes) { "count" } else { "fifo" };
             assert!(named(2, last), "{}", command.name);
@@ -218,12 +218,12 @@ mod tests {
     #[test]
     fn calls_that_join_name_their_fifo() {
         for command in COMMANDS {
-            let place = crate::command::fifo_offset(command.opcode);
-            assert_eq!(place.is_some(), command.class.kind.joins(), "{}", command.name);
-            let Some(place) = place else { continue };
+            let offset = crate::command::fifo_offset(command.opcode);
+            assert_eq!(offset.is_some(), command.class.kind.joins(), "{}", command.name);
+            let Some(offset) = offset else { continue };
             assert_eq!(command.fields[..2], [("core", "I16"), ("crd", "I16")], "{}", command.name);
             let before: Vec<_> = command.fields.iter().take_while(|(name, _)| *name != "fifo").copied().collect();
-            assert_eq!(crate::command::widths(&before), place, "{}", command.name);
+            assert_eq!(crate::command::widths(&before), offset, "{}", command.name);
         }
     }
 

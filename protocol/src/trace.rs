@@ -128,7 +128,7 @@ pub type Samples<'a> = Columns<&'a [Sample], &'a [LaserSample], &'a [CrdSample]>
 
 impl<'a, A, L, C> Columns<&'a [A], &'a [L], &'a [C]> {
     /// Limited to what a trace can have.
-    fn held(&self) -> Self {
+    fn limited(&self) -> Self {
         Columns {
             axes: self.axes.get(..MAX_AXES).unwrap_or(self.axes),
             lasers: self.lasers.get(..MAX_LASERS).unwrap_or(self.lasers),
@@ -183,7 +183,7 @@ impl Encoder {
     /// # Errors
     /// [`Full`].
     pub fn head(&mut self, head: &TraceHead, ids: &Ids<'_>) -> Result<(), Full> {
-        let Ids { axes, lasers, crds } = ids.held();
+        let Ids { axes, lasers, crds } = ids.limited();
         let layout = HeadLayout {
             version: VERSION,
             schema: head.schema.into(),
@@ -202,7 +202,7 @@ impl Encoder {
     /// # Errors
     /// [`Full`].
     pub fn row(&mut self, row: u32, samples: &Samples<'_>) -> Result<(), Full> {
-        let Samples { axes, lasers, crds } = samples.held();
+        let Samples { axes, lasers, crds } = samples.limited();
         let head = RowLayout { what: ROW, row: row.into() };
         self.add(&[head.as_bytes(), axes.as_bytes(), lasers.as_bytes(), crds.as_bytes()])
     }

@@ -242,8 +242,8 @@ impl<const AXES: usize> TraceOut<AXES> {
     }
 
     fn safe_state(&mut self, tick: u32, channel: u8) -> Result<(), Full> {
-        let rest = trace::Action { tick: tick.into(), channel, kind: kind::SAFE_STATE, ..trace::Action::default() };
-        self.encoder.action(&rest)
+        let action = trace::Action { tick: tick.into(), channel, kind: kind::SAFE_STATE, ..trace::Action::default() };
+        self.encoder.action(&action)
     }
 
     fn action(&mut self, tick: u32, channel: u8, at: u32, action: Action) -> Result<(), Full> {

@@ -217,10 +217,10 @@ impl CrdShadow {
     }
     /// Start of the next motion in a FIFO of a coordinate system that is at standstill there for
     /// what follows. None while only the tick knows.
-    pub fn begin(&self, rest: impl Fn() -> Option<Position>, fifo: u8) -> Option<Position> {
+    pub fn begin(&self, standstill: impl Fn() -> Option<Position>, fifo: u8) -> Option<Position> {
         let data = &self.path(fifo).data;
         if !data.is_open() {
-            return rest();
+            return standstill();
         }
         if self.path(fifo).left {
             return None;
@@ -229,10 +229,10 @@ impl CrdShadow {
         // still where it is.
         let mut position = data.position;
         if position.iter().any(|at| at.is_nan())
-            && let Some(rest) = rest()
+            && let Some(standstill) = standstill()
         {
-            for (at, rest) in position.iter_mut().zip(rest) {
-                *at = if at.is_nan() { rest } else { *at };
+            for (at, here) in position.iter_mut().zip(standstill) {
+                *at = if at.is_nan() { here } else { *at };
             }
         }
         Some(position)

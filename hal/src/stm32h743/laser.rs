@@ -275,14 +275,14 @@ pub fn was_broken() -> u8 {
     broken
 }
 
-/// What contradicts: 0 nothing, else one more than its text's place among those of all inputs.
+/// What contradicts: 0 nothing, else one more than its text's index among those of all inputs.
 /// Relaxed: written once in the tick, read by the thread.
 static CONTRADICTS: AtomicU8 = AtomicU8::new(0);
 
 /// What [`Breaks`] has found.
 pub fn found() -> Option<&'static str> {
-    let place = usize::from(CONTRADICTS.load(Relaxed)).checked_sub(1)?;
-    BOARD.breaks.get(place / 3)?.texts.get(place % 3).copied()
+    let index = usize::from(CONTRADICTS.load(Relaxed)).checked_sub(1)?;
+    BOARD.breaks.get(index / 3)?.texts.get(index % 3).copied()
 }
 
 /// Ticks in a row in which the pins of the interlock differ, until that is a contradiction: they

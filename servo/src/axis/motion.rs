@@ -93,7 +93,7 @@ impl AxisState {
         let feed = self.feed();
         match self.profile.look(next, feed, source) {
             Ok(piece) => {
-                let (pos, motion) = piece.sample(piece.held(next));
+                let (pos, motion) = piece.sample(piece.elapsed_within(next));
                 // Until the step of this tick publishes its own.
                 self.published.motion = motion;
                 (Moving { pos: exact(pos), velocity: self.published.motion.velocity() }, true)
@@ -223,7 +223,7 @@ impl AxisState {
                     return Some(reason);
                 }
                 piece = self.profile.piece();
-                t = piece.held(next);
+                t = piece.elapsed_within(next);
             }
         }
         let (pos, Motion { tau, t, .. }) = piece.sample(t);

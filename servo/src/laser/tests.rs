@@ -237,11 +237,11 @@ fn tables_lie_apart() {
 }
 
 /// Axes at these positions, encoders at other ones.
-fn axes(places: [f64; 4]) -> [AxisState; 4] {
+fn axes(positions: [f64; 4]) -> [AxisState; 4] {
     let mut axes = [AxisState::POWER_ON; 4];
-    for (axis, place) in axes.iter_mut().zip(places) {
-        axis.published.pos = Pos((place * (1 << 22) as f64) as i64);
-        axis.published.encoder = place as i64 + 1000;
+    for (axis, position) in axes.iter_mut().zip(positions) {
+        axis.published.pos = Pos((position * (1 << 22) as f64) as i64);
+        axis.published.encoder = position as i64 + 1000;
     }
     axes
 }
@@ -306,24 +306,24 @@ fn four_displacements_of_one_length_add_up_with_the_largest_lower_halves_of_fact
 fn a_distance_adds_what_it_should() {
     let (mut chance, tables) = (Chance::new(3), PowerTables::new());
     for _ in 0..3000 {
-        let places = [(); 4].map(|()| {
+        let positions = [(); 4].map(|()| {
             let far = chance.log(1.0, 1e9);
             chance.within(-far, far)
         });
         let scales = [(); 4].map(|()| chance.log(1.0, 65536.0));
         let ratios = [(); 4].map(|()| chance.within(-1.0, 1.0) * chance.log(1e-6, 1e3));
         let reference = [(); 4].map(|()| chance.within(-1e6, 1e6) as i32);
-        let axes = axes(places);
+        let axes = axes(positions);
         for source in [SpeedSource::Planned, SpeedSource::Encoder] {
             let distance =
                 Distance::admit(source, mapped(), reference, bits(scales), bits(ratios), Ratios::Fixed, None).unwrap();
             let (mut want, mut most) = (exact(0.0), [0f64; 2]);
             for index in 0..4 {
-                let place = match source {
+                let position = match source {
                     SpeedSource::Planned => fixed(axes[index].published.pos.0 as i128, 22),
                     SpeedSource::Encoder => BigRational::from_integer(axes[index].published.encoder.into()),
                 };
-                let by = place - BigRational::from_integer(reference[index].into());
+                let by = position - BigRational::from_integer(reference[index].into());
                 most[0] = most[0].max(by.abs().to_f64().unwrap());
                 most[1] = most[1].max((ratios[index] / scales[index]).abs());
                 want += by / exact(scales[index]) * exact(ratios[index]);

@@ -145,9 +145,9 @@ impl Piece {
         now.0.wrapping_sub(self.begin.0)
     }
 
-    /// The same, held before the end of the piece.
+    /// The same, limited to before the end of the piece.
     #[inline(always)]
-    pub fn held(&self, now: Ns) -> u64 {
+    pub fn elapsed_within(&self, now: Ns) -> u64 {
         self.elapsed(now).min(self.span.saturating_sub(1))
     }
 

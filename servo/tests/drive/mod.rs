@@ -38,7 +38,7 @@ pub fn step(profile: &mut Profile, now: Ns, feed: AllowedData, source: &(impl Se
         return Step { pos: at.round(), motion: Motion::STANDSTILL, state };
     }
     let piece = profile.piece();
-    let (pos, motion) = piece.sample(piece.held(now));
+    let (pos, motion) = piece.sample(piece.elapsed_within(now));
     Step { pos, motion, state: GeneratorState::Running }
 }
 

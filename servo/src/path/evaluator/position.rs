@@ -83,7 +83,7 @@ impl Path {
     #[inline(always)]
     fn publish(&mut self, next: Ns, report: &mut PathReport) -> Pos {
         let PackedPhase { piece, .. } = self.pieces.pair.now();
-        let t = piece.fast_time(next).map_or_else(|| piece.held(next), |t| t as u64);
+        let t = piece.fast_time(next).map_or_else(|| piece.elapsed_within(next), |t| t as u64);
         self.publish_fresh(report);
         self.publish_at(t, report)
     }

@@ -288,7 +288,7 @@ impl Section<'_> {
 /// Whether a piece has no turning point from `now` on, for certain.
 pub(super) fn is_plain(piece: &Piece, now: Ns) -> bool {
     let motion = &piece.motion;
-    let from = (motion.recip.ratio(piece.held(now.max(piece.begin))) >> 1).wrapping_add(motion.tau);
+    let from = (motion.recip.ratio(piece.elapsed_within(now.max(piece.begin))) >> 1).wrapping_add(motion.tau);
     let (first, last) = (slope(motion, from), slope(motion, Piece::END));
     if first < 0 && last > 0 || first > 0 && last < 0 {
         return false;
