@@ -134,12 +134,12 @@ impl Geometry {
                 let turn = sweep * (distance / self.length());
                 let (sin, cos) = turn.sin_cos();
                 let arm = (from[first] - centre.0, from[second] - centre.1);
-                let mut place = from;
+                let mut position = from;
                 // The arm as the start has it, so that the start is hit; `radius` is its length.
                 debug_assert!((arm.0.hypot(arm.1) - radius).abs() < 1e-6 * radius + 1e-9);
-                place[first] = centre.0 + arm.0 * cos - arm.1 * sin;
-                place[second] = centre.1 + arm.0 * sin + arm.1 * cos;
-                place
+                position[first] = centre.0 + arm.0 * cos - arm.1 * sin;
+                position[second] = centre.1 + arm.0 * sin + arm.1 * cos;
+                position
             }
         }
     }
@@ -152,12 +152,12 @@ impl Geometry {
                 std::array::from_fn(|axis| (to[axis] - from[axis]) / length)
             }
             Geometry::Arc { plane, centre, radius, sweep, .. } => {
-                let ((first, second), place) = (plane.axes(), self.at(distance));
+                let ((first, second), position) = (plane.axes(), self.at(distance));
                 // At a right angle to the arm, to its left if it turns counterclockwise.
                 let turn = sweep.signum() / radius;
                 let mut direction = [0.0; 4];
-                direction[first] = (centre.1 - place[second]) * turn;
-                direction[second] = (place[first] - centre.0) * turn;
+                direction[first] = (centre.1 - position[second]) * turn;
+                direction[second] = (position[first] - centre.0) * turn;
                 direction
             }
         }

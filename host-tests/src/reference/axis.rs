@@ -360,7 +360,7 @@ impl Axis {
             None => Some(Fix::ZERO),
             Some(Motion::Ramp(timed) | Motion::Pt(timed) | Motion::Pvt(timed) | Motion::Stream(timed, _)) => {
                 // Where it has just begun, that of the motion before may be read.
-                timed.curve.curvature(timed.place(at)).filter(|_| timed.start != at)
+                timed.curve.curvature(timed.position(at)).filter(|_| timed.start != at)
             }
             Some(Motion::Slave(_)) => None,
         }
@@ -374,7 +374,7 @@ impl Axis {
     /// Its time in the table.
     pub fn table_time(&self, at: Fix) -> Fix {
         let Some(Motion::Pvt(timed)) = &self.motion else { return Fix::ZERO };
-        timed.place(at) + self.table_begins
+        timed.position(at) + self.table_begins
     }
 
     /// Follow or FollowEx.

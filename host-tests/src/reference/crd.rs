@@ -42,7 +42,7 @@ pub struct Crd {
     pub brakes: bool,
     pub stop_dec: f64,
     pub rate: f64,
-    pub place: [f64; 4],
+    pub position: [f64; 4],
     pub speed: f64,
     pub(super) now: f64,
     /// The plan of the motion in progress, from where and when, and whether something follows it.
@@ -121,7 +121,7 @@ impl Default for Crd {
             brakes: false,
             stop_dec: 0.0,
             rate: 1.0,
-            place: [0.0; 4],
+            position: [0.0; 4],
             speed: 0.0,
             now: 0.0,
             plan: None,
@@ -205,7 +205,7 @@ impl Crd {
         };
         let axes = self.set.as_ref().map_or([None; 4], |set| set.axes);
         let stays = |coordinate: usize| !self.runs || self.fifo == fifo || axes[coordinate].is_none();
-        let mut begin = self.place;
+        let mut begin = self.position;
         for (coordinate, at) in begin.iter_mut().enumerate() {
             *at = target(coordinate).or(stays(coordinate).then_some(*at))?;
         }
@@ -305,11 +305,11 @@ impl Crd {
         (self.runs, self.brakes, self.speed, self.plan) = (false, false, 0.0, None);
         self.rest = Some(rest);
         let waited = self.waits.take().is_some();
-        let place = self.place;
+        let position = self.position;
         let of = &mut self.fifos[self.fifo];
         of.waited = waited;
         of.gears.iter_mut().for_each(|gear| gear.base = None);
-        of.left = (of.waiting() > 0).then_some(place);
+        of.left = (of.waiting() > 0).then_some(position);
     }
 
     fn goes_on(&self) -> bool {
@@ -453,7 +453,7 @@ impl Crd {
     /// Something fell on an instant.
     fn mark(&mut self, until: f64) {
         self.open |= (until - self.now).abs() < SAME_INSTANT_MS;
-        self.knots.push((self.now, self.place));
+        self.knots.push((self.now, self.position));
     }
 
     fn motion(&mut self, until: f64, world: &mut impl World) {
@@ -518,7 +518,7 @@ impl Crd {
         self.open |= (total - gone).abs() < SAME_INSTANT_MS && (until - self.now).abs() < SAME_INSTANT_MS;
         if total - gone > 1e-12 {
             let done = of.done;
-            self.place = geometry.at(done.clamp(0.0, length));
+            self.position = geometry.at(done.clamp(0.0, length));
             self.plan = Some((profile, gone, follows));
             self.carry((done / length).clamp(0.0, 1.0), false, world);
             return;
@@ -526,7 +526,7 @@ impl Crd {
         self.plan = None;
         self.speed = profile.end;
         if self.brakes && length - of.done > 1e-9 * length {
-            self.place = geometry.at(of.done.clamp(0.0, length));
+            self.position = geometry.at(of.done.clamp(0.0, length));
             self.open |= (until - self.now).abs() < SAME_INSTANT_MS;
             if length - of.done < 1e-5 {
                 self.unsaid = Some("a Stop that rests where a motion ends");
@@ -536,7 +536,7 @@ impl Crd {
             self.come_to_standstill(Rest::Stopped);
             return;
         }
-        self.place = to;
+        self.position = to;
         (of.next, of.done) = (of.next + 1, 0.0);
         self.carry(1.0, true, world);
         self.mark(until);

@@ -123,7 +123,7 @@ impl Timed {
     }
 
     /// Its place in the pass, ms.
-    pub fn place(&self, at: Fix) -> Fix {
+    pub fn position(&self, at: Fix) -> Fix {
         self.progress(at) - self.began
     }
 
@@ -167,9 +167,9 @@ impl Timed {
 
     fn points(&self, a: Fix, b: Fix, out: &mut Vec<(Fix, Fix)>) {
         let first = out.len();
-        let place = b - self.began;
-        self.curve.between(a - self.began, place, out);
-        out.push((place, self.curve.at(place)));
+        let position = b - self.began;
+        self.curve.between(a - self.began, position, out);
+        out.push((position, self.curve.at(position)));
         let start = self.start + self.began;
         for (when, point) in &mut out[first..] {
             *when += start;
@@ -179,20 +179,20 @@ impl Timed {
 
     /// Where it is, or was within the tick, at an instant in ms. None: another curve was in force.
     pub fn at(&self, ms: Fix) -> Option<Fix> {
-        let place = ms - self.start - self.began;
-        if place >= Fix::ZERO || self.passes == 0 {
-            return Some(self.origin + if self.over { Fix::ZERO } else { self.curve.at(place) });
+        let position = ms - self.start - self.began;
+        if position >= Fix::ZERO || self.passes == 0 {
+            return Some(self.origin + if self.over { Fix::ZERO } else { self.curve.at(position) });
         }
-        let earlier = place + self.curve.length();
+        let earlier = position + self.curve.length();
         (earlier >= Fix::ZERO).then(|| self.origin - self.curve.end() + self.curve.at(earlier))
     }
 
     pub fn velocity(&self, at: Fix) -> Fix {
-        self.curve.slope(self.place(at), true)
+        self.curve.slope(self.position(at), true)
     }
 
     /// Whether another part of the curve begins at an instant, or within rounding of it.
     pub fn is_at_knot(&self, at: Fix) -> bool {
-        self.curve.has_knot_near(self.place(at), DOUBT)
+        self.curve.has_knot_near(self.position(at), DOUBT)
     }
 }

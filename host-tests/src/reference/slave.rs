@@ -28,7 +28,7 @@ enum State {
     Starts(Begin),
     Waits {
         up: bool,
-        place: Fix,
+        position: Fix,
     },
     Runs,
     /// Until an instant, ms.
@@ -81,7 +81,7 @@ pub struct Slave {
     /// When what held it was over, in this tick.
     since: Option<Fix>,
     /// What it is now: progress in the pass.
-    place: Fix,
+    position: Fix,
     /// FIFOs that a switch has emptied and nobody has seen to yet.
     pub emptied: Vec<usize>,
     /// General outputs that entries have set in this tick.
@@ -156,7 +156,7 @@ impl Slave {
             given: None,
             held: false,
             since: None,
-            place: Fix::ZERO,
+            position: Fix::ZERO,
             emptied: Vec::new(),
             outputs: Vec::new(),
             open: None,
@@ -199,14 +199,14 @@ impl Slave {
         self.state = State::Runs;
         self.began = self.along(at);
         self.far = self.began;
-        self.place = Fix::ZERO;
+        self.position = Fix::ZERO;
     }
 
     /// What held it is over with the master here: the next item begins.
     fn resume(&mut self, at: Fix, since: Option<Fix>) {
         (self.state, self.since) = (State::Runs, since);
-        self.place = self.table.knots[self.next].0;
-        self.began = self.along(at) - self.place;
+        self.position = self.table.knots[self.next].0;
+        self.began = self.along(at) - self.position;
         self.far = self.along(at);
     }
 
@@ -247,7 +247,7 @@ impl Slave {
                     self.start(last);
                     return self.leg(&still, lead, around, out);
                 }
-                Begin::Pass { up, name } => self.state = State::Waits { up, place: Fix::whole(name) + lead.zero },
+                Begin::Pass { up, name } => self.state = State::Waits { up, position: Fix::whole(name) + lead.zero },
             }
         }
         if let Some(table) = self.now.take()
@@ -261,16 +261,16 @@ impl Slave {
     fn leg(&mut self, leg: &Leg, lead: &Lead, around: &Around, out: &mut Vec<Fix>) -> Outcome {
         let Leg { mut from, to, .. } = *leg;
         match self.state {
-            State::Waits { up, place } => {
-                let crosses = if up { from < place && to >= place } else { from > place && to <= place };
-                if near(to - place) || near(from - place) {
+            State::Waits { up, position } => {
+                let crosses = if up { from < position && to >= position } else { from > position && to <= position };
+                if near(to - position) || near(from - position) {
                     self.open = Some("the end of a pass");
                 }
                 if !crosses {
                     return Outcome::On;
                 }
-                self.start(place);
-                from = place;
+                self.start(position);
+                from = position;
             }
             State::Delays { until } => match self.released(leg, until, lead) {
                 Some(at) => from = at,
@@ -284,7 +284,7 @@ impl Slave {
             let entry = (self.next..self.items.len()).find(|index| self.items[*index].segment().is_none());
             let stop = entry.map_or(self.table.curve.length(), |entry| self.table.knots[entry].0);
             // What comes next begins here, though the master stands.
-            let at_entry = self.place == stop;
+            let at_entry = self.position == stop;
             if self.dir != 0 && b <= self.far && !at_entry {
                 return Outcome::On;
             }
@@ -330,7 +330,7 @@ impl Slave {
     /// Carries out the item `index`, with the master at `from`. None: it goes on.
     fn act(&mut self, index: usize, from: &mut Fix, leg: &Leg, lead: &Lead, around: &Around) -> Option<Outcome> {
         self.next = index + 1;
-        self.place = self.table.knots[self.next].0;
+        self.position = self.table.knots[self.next].0;
         self.floor = (self.pass, self.next);
         self.done += 1;
         if self.done > ACTIONS {
@@ -446,7 +446,7 @@ impl Slave {
         }
         self.pass += 1;
         self.began = end;
-        (self.place, self.next) = (Fix::ZERO, 0);
+        (self.position, self.next) = (Fix::ZERO, 0);
         if self.table.curve.length() == Fix::ZERO {
             self.doubt("a pass without segments");
         }
@@ -476,7 +476,7 @@ impl Slave {
         self.given = at_once.then(|| (0, (0, self.carried.clone())));
         self.renew();
         self.began = self.along(machine);
-        self.place = Fix::ZERO;
+        self.position = Fix::ZERO;
         if turned {
             self.far = self.began;
         }
@@ -509,17 +509,17 @@ impl Slave {
             // What held it last was over before this instant.
             self.held = false;
         }
-        let ratio = if was_held { Rational::zero() } else { self.table.curve.slope(self.place, true).rational() };
-        if !was_held && self.place != Fix::ZERO {
+        let ratio = if was_held { Rational::zero() } else { self.table.curve.slope(self.position, true).rational() };
+        if !was_held && self.position != Fix::ZERO {
             let slope = |u: Fix| self.table.curve.slope(u, true);
-            let apart = |by: Fix| (slope(self.place + by) - slope(self.place - by)).abs();
-            if self.table.curve.jump_near(self.place, NEAR) > Fix(1 << 48) {
+            let apart = |by: Fix| (slope(self.position + by) - slope(self.position - by)).abs();
+            if self.table.curve.jump_near(self.position, NEAR) > Fix(1 << 48) {
                 self.doubt("a SwitchNow where a slave's ratio jumps");
             } else {
                 self.slack += apart(Fix(1 << 43)) * self.table.curve.length();
             }
         }
-        let value = self.table.curve.at(self.place);
+        let value = self.table.curve.at(self.position);
         let progress = if self.dir == 0 { self.along(at) } else { self.far };
         out.push(self.origin + value);
         if table {
@@ -529,14 +529,14 @@ impl Slave {
         }
         if !was_held {
             // The item after the segment in force.
-            let after = |index: &usize| self.table.knots[index + 1].0 > self.place;
+            let after = |index: &usize| self.table.knots[index + 1].0 > self.position;
             let in_force = (0..self.items.len()).find(|index| self.items[*index].segment().is_some() && after(index));
             self.next = in_force.map_or(self.items.len(), |index| index + 1);
         }
         let (knot, end) = self.table.knots[self.next];
         self.began = progress - knot;
         self.origin += value - end;
-        self.place = knot;
+        self.position = knot;
         self.floor = (self.pass, self.next);
         self.given = Some(if self.next < self.items.len() {
             (self.pass, (self.next, ratio))
@@ -572,7 +572,7 @@ impl Slave {
         self.table.curve.between(u, w, &mut points);
         out.extend(points.into_iter().map(|(_, value)| value));
         self.held &= u == w;
-        self.place = w;
+        self.position = w;
         out.push(self.table.curve.at(w));
         for point in &mut out[first..] {
             *point += self.origin;

@@ -19,7 +19,7 @@ fn plain(kind: Kind, axis: usize) -> Call {
     Call::Axis { kind, axis }
 }
 
-fn places(program: &Program, axis: usize, ticks: &[usize]) -> Vec<f64> {
+fn positions(program: &Program, axis: usize, ticks: &[usize]) -> Vec<f64> {
     ticks.iter().map(|tick| program.rows[*tick][axis].x.to_f64()).collect()
 }
 
@@ -43,7 +43,7 @@ fn pt_segments_of_each_kind_and_two_passes() {
         Call::SetPtLoop { axis: 0, loops: 2 },
         Call::PtStart { mask: 1, option: 0 },
     ]);
-    assert_eq!(places(&program, 0, &[1, 3, 5, 7, 9, 11, 13, 25]), [0.0, 1.0, 4.0, 8.0, 12.0, 15.0, 16.0, 32.0]);
+    assert_eq!(positions(&program, 0, &[1, 3, 5, 7, 9, 11, 13, 25]), [0.0, 1.0, 4.0, 8.0, 12.0, 15.0, 16.0, 32.0]);
     assert!(runs(&program, 0, 24) && !runs(&program, 0, 25));
 }
 
@@ -61,7 +61,7 @@ fn a_jog_brakes_and_a_trap_turns() {
         Call::Sleep { ns: 5 * MS },
         Call::Stop { mask: 1, abrupt: 0 },
     ]);
-    assert_eq!(places(&program, 0, &[1, 3, 6, 8, 10, 11]), [0.0, 2.0, 8.0, 11.0, 12.0, 12.0]);
+    assert_eq!(positions(&program, 0, &[1, 3, 6, 8, 10, 11]), [0.0, 2.0, 8.0, 11.0, 12.0, 12.0]);
     // To 16 with 2 pulse/ms at most; at 4 ms, 6 pulses on, back to 2: rest at 8, then 6 pulses
     // back.
     let program = ran(&[
@@ -74,7 +74,7 @@ fn a_jog_brakes_and_a_trap_turns() {
         Call::SetPos { axis: 0, pos: 2 },
         Call::Update { mask: 1 },
     ]);
-    assert_eq!(places(&program, 0, &[5, 7, 9, 10, 12]), [6.0, 8.0, 6.0, 4.0, 2.0]);
+    assert_eq!(positions(&program, 0, &[5, 7, 9, 10, 12]), [6.0, 8.0, 6.0, 4.0, 2.0]);
     assert!(runs(&program, 0, 11) && !runs(&program, 0, 12));
 }
 
@@ -94,7 +94,7 @@ fn a_slave_goes_back_and_one_of_one_way_does_not() {
             pt(4.0, 12, 1),
             Call::PtStart { mask: 1, option: 0 },
         ]);
-        assert_eq!(places(&program, 1, &[9, 13]), [there, back], "{dir}");
+        assert_eq!(positions(&program, 1, &[9, 13]), [there, back], "{dir}");
     }
 }
 

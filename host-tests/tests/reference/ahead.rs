@@ -30,16 +30,16 @@ const GRAIN: f64 = 1.0 / 4_194_304.0;
 const BOUND: f64 = 1.0 / 65_536.0;
 
 /// Where on a motion a place is: how far along, and how far from it.
-fn project(geometry: &Geometry, place: &Position, least: f64) -> (f64, f64) {
+fn project(geometry: &Geometry, position: &Position, least: f64) -> (f64, f64) {
     let length = geometry.length();
     let along = match *geometry {
         Geometry::Line { from, to } => {
-            (0..4).map(|axis| (place[axis] - from[axis]) * (to[axis] - from[axis])).sum::<f64>() / length
+            (0..4).map(|axis| (position[axis] - from[axis]) * (to[axis] - from[axis])).sum::<f64>() / length
         }
         Geometry::Arc { from, plane, centre, radius, sweep } => {
             let (first, second) = plane.axes();
             let arm = (from[first] - centre.0, from[second] - centre.1);
-            let now = (place[first] - centre.0, place[second] - centre.1);
+            let now = (position[first] - centre.0, position[second] - centre.1);
             let turn = (arm.0 * now.1 - arm.1 * now.0).atan2(arm.0 * now.0 + arm.1 * now.1) * sweep.signum();
             // Not further back than it was: a turn further.
             let turn = if turn * radius < least - 1e-3 { turn + std::f64::consts::TAU } else { turn };
@@ -48,7 +48,7 @@ fn project(geometry: &Geometry, place: &Position, least: f64) -> (f64, f64) {
     };
     let along = along.clamp(0.0, length);
     let near = geometry.at(along);
-    (along, (0..4).map(|axis| (near[axis] - place[axis]).powi(2)).sum::<f64>().sqrt())
+    (along, (0..4).map(|axis| (near[axis] - position[axis]).powi(2)).sum::<f64>().sqrt())
 }
 
 /// Where the path is at a tick.
@@ -112,7 +112,7 @@ fn judge(
     if motions.is_empty() {
         return Ok(());
     }
-    let places: Vec<Position> = reported
+    let positions: Vec<Position> = reported
         .rows
         .iter()
         .map(|row| {
@@ -120,12 +120,12 @@ fn judge(
             std::array::from_fn(|axis| if axis < course.dimension { at(axis) } else { 0.0 })
         })
         .collect();
-    let spots = spots(&motions, &places, tick_ms, course)?;
+    let spots = spots(&motions, &positions, tick_ms, course)?;
     let last = motions.last().ok_or("no motions")?;
     let end = last.geometry.end();
-    let place = places[places.len() - 1];
-    if (0..4).any(|axis| (place[axis] - end[axis].round()).abs() > GRAIN) {
-        return Err(format!("it ends at {place:?}, not at {end:?}"));
+    let position = positions[positions.len() - 1];
+    if (0..4).any(|axis| (position[axis] - end[axis].round()).abs() > GRAIN) {
+        return Err(format!("it ends at {position:?}, not at {end:?}"));
     }
     let status = course.calls.len() - 1;
     let counted = reported.answers.get(status).map(|answer| got(&course.calls[status], answer));
@@ -134,28 +134,28 @@ fn judge(
     }
     *tally.entry("paths").or_default() += 1;
     *tally.entry("motions").or_default() += motions.len() as u64;
-    speeds(course, &motions, &spots, &places, tick_ms)?;
-    accelerations(course, &motions, &spots, &places, tick_ms, tally)?;
+    speeds(course, &motions, &spots, &positions, tick_ms)?;
+    accelerations(course, &motions, &spots, &positions, tick_ms, tally)?;
     rests(course, &motions, &spots, &delays, tick_ms, tally)?;
     edges(course, &motions, &spots, &outputs, reported, tick_ms, tally)
 }
 
 /// Every tick's place on the path.
-fn spots(motions: &[Motion], places: &[Position], tick_ms: f64, course: &Course) -> Result<Vec<Spot>, String> {
+fn spots(motions: &[Motion], positions: &[Position], tick_ms: f64, course: &Course) -> Result<Vec<Spot>, String> {
     let mut at = Spot { motion: 0, along: 0.0, travelled: 0.0, is_double: false };
     let mut spots = Vec::new();
-    for (tick, place) in places.iter().enumerate() {
+    for (tick, position) in positions.iter().enumerate() {
         let mut index = at.motion;
         let found = loop {
             let Some(motion) = motions.get(index) else { break None };
             let least = if index == at.motion { at.along } else { 0.0 };
-            let (along, off) = project(motion.geometry, place, least);
+            let (along, off) = project(motion.geometry, position, least);
             let travelled = motion.begin + along;
             if travelled > at.travelled + course.speed * tick_ms * 1.001 + 1.0 {
                 break None;
             }
             if off <= 2.0 * BOUND && travelled >= at.travelled - 2.0 * BOUND {
-                let next = motions.get(index + 1).map(|next| project(next.geometry, place, 0.0));
+                let next = motions.get(index + 1).map(|next| project(next.geometry, position, 0.0));
                 let is_double = next.is_some_and(|(along, off)| off <= 2.0 * BOUND && along > 4.0 * BOUND);
                 break Some(Spot { motion: index, along, travelled: travelled.max(at.travelled), is_double });
             }
@@ -164,12 +164,12 @@ fn spots(motions: &[Motion], places: &[Position], tick_ms: f64, course: &Course)
         let Some(found) = found else {
             let near = |index: usize| {
                 let motion = motions.get(index)?;
-                let (along, off) = project(motion.geometry, place, 0.0);
+                let (along, off) = project(motion.geometry, position, 0.0);
                 Some((index, along, motion.geometry.length(), off))
             };
             let around: Vec<_> = (at.motion..at.motion + 3).filter_map(near).collect();
             let ms = tick as f64 * tick_ms;
-            return Err(format!("at {ms} ms {place:?} is not on the path, where it was at {at:?}: {around:?}"));
+            return Err(format!("at {ms} ms {position:?} is not on the path, where it was at {at:?}: {around:?}"));
         };
         at = found;
         spots.push(at);
@@ -182,7 +182,7 @@ fn speeds(
     course: &Course,
     motions: &[Motion],
     spots: &[Spot],
-    places: &[Position],
+    positions: &[Position],
     tick_ms: f64,
 ) -> Result<(), String> {
     for (tick, pair) in spots.windows(2).enumerate() {
@@ -200,7 +200,7 @@ fn speeds(
             return Err(format!("at {ms} ms its speed is {speed}, {most} is programmed: {around:?} {given:?}"));
         }
         for axis in 0..course.dimension {
-            let speed = (places[tick + 1][axis] - places[tick][axis]).abs() / tick_ms;
+            let speed = (positions[tick + 1][axis] - positions[tick][axis]).abs() / tick_ms;
             if speed > course.vel[axis] + 4.0 * GRAIN / tick_ms {
                 return Err(format!("at {ms} ms coordinate {axis} has {speed}, its limit is {}", course.vel[axis]));
             }
@@ -221,7 +221,7 @@ fn accelerations(
     course: &Course,
     motions: &[Motion],
     spots: &[Spot],
-    places: &[Position],
+    positions: &[Position],
     tick_ms: f64,
     tally: &mut BTreeMap<&'static str, u64>,
 ) -> Result<(), String> {
@@ -258,7 +258,7 @@ fn accelerations(
             ));
         }
         for axis in 0..course.dimension {
-            let second = places[tick + 1][axis] - 2.0 * places[tick][axis] + places[tick - 1][axis];
+            let second = positions[tick + 1][axis] - 2.0 * positions[tick][axis] + positions[tick - 1][axis];
             let acc = second.abs() / (tick_ms * tick_ms);
             let limit = course.acc[axis];
             // On an arc the centre takes its part while a Stop brakes.
@@ -274,7 +274,7 @@ fn accelerations(
     }
     // Mean velocities of the first and the last whole tick of each motion, and the velocity in its
     // middle.
-    let mean = |tick: usize, axis: usize| (places[tick + 1][axis] - places[tick][axis]) / tick_ms;
+    let mean = |tick: usize, axis: usize| (positions[tick + 1][axis] - positions[tick][axis]) / tick_ms;
     let mut before: Option<(usize, f64, usize)> = None;
     let mut from = 0;
     for (index, motion) in motions.iter().enumerate() {

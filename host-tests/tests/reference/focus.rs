@@ -44,15 +44,15 @@ fn delays(c: &mut Chance) -> Vec<Call> {
     calls.push(ex(Call::SetFollowLoop { axis: 0, loops: c.below(3) as _ }));
     calls.push(ex(Call::FollowStart { mask: 1, option: 0 }));
     let vel = |c: &mut Chance| c.log(2.0, 60.0);
-    let mut place = 0.0;
+    let mut position = 0.0;
     for _ in 0..2 + c.below(5) {
         if jog {
             let v = vel(c) * if c.below(4) == 0 { -sign } else { sign };
             calls.push(Call::SetVel { axis: 1, vel: v });
         } else {
             calls.push(Call::SetVel { axis: 1, vel: vel(c) });
-            place += c.log(10.0, 300.0) * if c.below(4) == 0 { -sign } else { sign };
-            calls.push(Call::SetPos { axis: 1, pos: place as i32 });
+            position += c.log(10.0, 300.0) * if c.below(4) == 0 { -sign } else { sign };
+            calls.push(Call::SetPos { axis: 1, pos: position as i32 });
         }
         calls.push(Call::Update { mask: 2 });
         calls.push(Call::Sleep { ns: c.log(1e6, 2e7) as i64 });
@@ -125,15 +125,17 @@ fn asymmetric(c: &mut Chance) -> Vec<Call> {
     }
     calls.push(ex(Call::SetFollowLoop { axis: 0, loops: c.below(3) as _ }));
     calls.push(ex(Call::FollowStart { mask: 1, option: 0 }));
-    let mut place = 0.0;
+    let mut position = 0.0;
     for _ in 0..2 + c.below(5) {
         let back = if c.below(4) == 0 { -sign } else { sign };
         if jog {
             calls.push(Call::SetVel { axis: 1, vel: c.log(2.0, 60.0) * back });
         } else {
-            place += c.log(10.0, 300.0) * back;
-            calls
-                .extend([Call::SetVel { axis: 1, vel: c.log(2.0, 60.0) }, Call::SetPos { axis: 1, pos: place as i32 }]);
+            position += c.log(10.0, 300.0) * back;
+            calls.extend([
+                Call::SetVel { axis: 1, vel: c.log(2.0, 60.0) },
+                Call::SetPos { axis: 1, pos: position as i32 },
+            ]);
         }
         calls.extend([Call::Update { mask: 2 }, Call::Sleep { ns: c.log(1e6, 2e7) as i64 }]);
         match c.below(8) {

@@ -80,7 +80,7 @@ impl Axis {
         let (mut v, mut before) = (Fix::ZERO, Fix::ZERO);
         if let Some(Motion::Ramp(timed)) = &mut self.motion {
             let mut knots = Vec::new();
-            before = timed.curve.curvature(timed.place(at)).unwrap_or(Fix::ZERO).abs();
+            before = timed.curve.curvature(timed.position(at)).unwrap_or(Fix::ZERO).abs();
             if timed.step(begin, at, 1, &mut knots) == Went::On {
                 v = timed.velocity(at);
             }

@@ -13,9 +13,9 @@ impl Axis {
         self.times.clear();
         self.times.push(from);
         let moved = !self.head.is_empty();
-        for (when, place) in self.head.drain(..) {
+        for (when, position) in self.head.drain(..) {
             self.times.push(when);
-            self.track.push(place);
+            self.track.push(position);
             from = when;
         }
         self.moved = moved;
@@ -65,8 +65,8 @@ impl Axis {
                 self.fastest = timed.curve.steepest;
                 let went = timed.step(from, to, 1, &mut out);
                 self.v = timed.velocity(to);
-                let place = timed.place(to);
-                *ran = self.chain.ends.partition_point(|end| *end <= place);
+                let position = timed.position(to);
+                *ran = self.chain.ends.partition_point(|end| *end <= position);
                 self.pt.ran = *ran;
                 if went == Went::Ended {
                     if self.chain.ends_at_speed() {
@@ -84,9 +84,9 @@ impl Axis {
                     self.fastest = slave.table.curve.steepest;
                     let other = &self.follow.fifos[slave.fifo ^ 1];
                     let around = Around { other, loops: self.follow.loops, inputs };
-                    let mut places = Vec::new();
-                    let outcome = slave.step(lead, &around, &mut places);
-                    out.extend(places.into_iter().map(|place| (Fix::FAR, place)));
+                    let mut positions = Vec::new();
+                    let outcome = slave.step(lead, &around, &mut positions);
+                    out.extend(positions.into_iter().map(|position| (Fix::FAR, position)));
                     self.v = slave.velocity(lead);
                     self.slack += slave.slack;
                     self.outputs.append(&mut slave.outputs);
@@ -115,9 +115,9 @@ impl Axis {
             self.open = Some("a move without a track");
         }
         self.fastest = self.fastest.max(std::mem::take(&mut self.head_most));
-        for (when, place) in out {
+        for (when, position) in out {
             self.times.push(when);
-            self.track.push(place);
+            self.track.push(position);
         }
         if ended && self.times.last().is_some_and(|end| *end < to) {
             // It stands for the rest of the tick.

@@ -72,8 +72,8 @@ impl Controller {
         if kind == 4 {
             return self.levels.inputs.cast_signed().into();
         }
-        let bit = |(place, axis): (usize, &Axis)| {
-            let (of, number) = self.setup.axes[place];
+        let bit = |(axis_index, axis): (usize, &Axis)| {
+            let (of, number) = self.setup.axes[axis_index];
             if of == core { i64::from(axis.terminals.levels >> kind & 1) << (number - 1) } else { 0 }
         };
         self.axes.iter().map(Box::as_ref).enumerate().map(bit).sum()
@@ -97,8 +97,8 @@ impl Controller {
             Call::Sense { core, sense } => {
                 range(self.cores.contains(&core))?;
                 self.open = self.open.or(self.start_beside_guard());
-                for (place, axis) in self.axes.iter_mut().enumerate() {
-                    let (of, number) = self.setup.axes[place];
+                for (axis_index, axis) in self.axes.iter_mut().enumerate() {
+                    let (of, number) = self.setup.axes[axis_index];
                     if of == core && number <= 8 {
                         axis.terminals.sense = (sense >> (2 * (number - 1)) & 3) as u8;
                     }

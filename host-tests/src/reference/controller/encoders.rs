@@ -40,19 +40,19 @@ impl Controller {
     /// The counts of a tick that lasts `period`, before it moves anything.
     pub(super) fn encoders(&mut self, tick: usize, period: i64) {
         let share = 1.0 - (-(period as f64) / LAG_NS).exp();
-        for (place, axis) in self.axes.iter_mut().enumerate() {
+        for (axis_index, axis) in self.axes.iter_mut().enumerate() {
             let machine = &mut self.machine;
-            let [shaft, in_force] = &mut machine.shafts[place];
+            let [shaft, in_force] = &mut machine.shafts[axis_index];
             if tick > 0 {
                 *shaft += (*in_force - *shaft) * share;
-                *in_force = (axis.x - machine.begin[place]).to_f64();
+                *in_force = (axis.x - machine.begin[axis_index]).to_f64();
             }
-            let modelled = machine.begin[place] + Fix::of_f64(*shaft);
-            let count = machine.recorded.get(tick).map(|row| Fix::whole(row[place]));
+            let modelled = machine.begin[axis_index] + Fix::of_f64(*shaft);
+            let count = machine.recorded.get(tick).map(|row| Fix::whole(row[axis_index]));
             if let Some(count) = count {
                 let apart = (count - modelled).to_f64();
                 if apart.abs() > APART && machine.astray.is_none() {
-                    machine.astray = Some((tick, place, apart));
+                    machine.astray = Some((tick, axis_index, apart));
                 }
             }
             axis.encoder = [axis.encoder[1], count.unwrap_or(whole(modelled))];

@@ -10,36 +10,36 @@ use super::{Controller, Reply, Value};
 
 impl Controller {
     pub(super) fn follow_start(&mut self, mask: u32, option: u32, mode: Mode) -> Answer {
-        let fifo = |place: usize| (option >> place & 1) as usize;
-        for place in members(mask) {
-            let axis = &self.axes[place];
+        let fifo = |axis_index: usize| (option >> axis_index & 1) as usize;
+        for axis_index in members(mask) {
+            let axis = &self.axes[axis_index];
             check(axis.mode == mode && !axis.runs() && !axis.blocked() && axis.follow.master.is_some())?;
-            check(!axis.follow.fifos[fifo(place)].is_empty())?;
+            check(!axis.follow.fifos[fifo(axis_index)].is_empty())?;
         }
-        for place in members(mask) {
-            self.axes[place].start_follow(fifo(place));
+        for axis_index in members(mask) {
+            self.axes[axis_index].start_follow(fifo(axis_index));
             // Its master may be known better later than where it begins.
-            let of_master = self.rounding_of_master(&self.axes[place]);
-            if let Some(Motion::Slave(slave)) = &self.axes[place].motion {
+            let of_master = self.rounding_of_master(&self.axes[axis_index]);
+            if let Some(Motion::Slave(slave)) = &self.axes[axis_index].motion {
                 let rounding = slave.table.curve.steepest * of_master;
-                self.axes[place].slack += rounding;
+                self.axes[axis_index].slack += rounding;
             }
         }
         DONE
     }
 
     pub(super) fn follow_switch(&mut self, mask: u32, mode: Mode) -> Answer {
-        for place in members(mask) {
-            let axis = &self.axes[place];
+        for axis_index in members(mask) {
+            let axis = &self.axes[axis_index];
             check(axis.mode == mode)?;
             let Some(Motion::Slave(slave)) = &axis.motion else { return Err(1) };
             if slave.now.is_some() {
                 self.open = Some("two switches at one instant");
             }
-            check(!axis.follow.fifos[slave.fifo ^ 1].is_empty() && self.then[place].is_none())?;
+            check(!axis.follow.fifos[slave.fifo ^ 1].is_empty() && self.then[axis_index].is_none())?;
         }
-        for place in members(mask) {
-            if let Some(Motion::Slave(slave)) = &mut self.axes[place].motion {
+        for axis_index in members(mask) {
+            if let Some(Motion::Slave(slave)) = &mut self.axes[axis_index].motion {
                 slave.switching = true;
             }
         }
@@ -55,16 +55,16 @@ impl Controller {
                 axis.set_mode(mode);
                 axis.follow.dir = dir.signum();
             }
-            Call::SetFollowMaster { axis: place, master, kind, item } => {
-                let axis = &self.axes[place];
-                either(axis.mode == mode && !axis.runs(), place != master)?;
+            Call::SetFollowMaster { axis: axis_index, master, kind, item } => {
+                let axis = &self.axes[axis_index];
+                either(axis.mode == mode && !axis.runs(), axis_index != master)?;
                 let mut above = Some(master);
                 while let Some(index) = above {
-                    check(index != place)?;
+                    check(index != axis_index)?;
                     let next = self.axes[index].follow.master.filter(|_| self.axes[index].is_follow());
                     above = next.map(|master| master.axis);
                 }
-                self.axes[place].follow.master = Some(Master { axis: master, kind, item });
+                self.axes[axis_index].follow.master = Some(Master { axis: master, kind, item });
             }
             Call::SetFollowLoop { axis, loops } => {
                 let axis = &mut self.axes[axis];
@@ -113,8 +113,8 @@ impl Controller {
         DONE
     }
 
-    pub(super) fn follow_item(&mut self, place: usize, item: Item, fifo: i16, mode: Mode) -> Answer {
-        let axis = &mut self.axes[place];
+    pub(super) fn follow_item(&mut self, axis_index: usize, item: Item, fifo: i16, mode: Mode) -> Answer {
+        let axis = &mut self.axes[axis_index];
         let good_kind = item.segment().is_none_or(|datum| (0..4).contains(&datum.kind));
         let good_percent = item.segment().is_none_or(|datum| (0..=100).contains(&datum.percent));
         either(axis.mode == mode, (0..2).contains(&fifo) && good_kind && good_percent)?;
@@ -173,16 +173,16 @@ impl Controller {
         Ok(Reply::Done(Value::Computed([Fix::of(&displacement).to_f64(), 0.0, 0.0, 0.0])))
     }
 
-    pub(super) fn follow_switch_now(&mut self, place: usize, table: bool) -> Answer {
-        let axis = &self.axes[place];
+    pub(super) fn follow_switch_now(&mut self, axis_index: usize, table: bool) -> Answer {
+        let axis = &self.axes[axis_index];
         check(axis.mode == Mode::FollowEx && axis.runs())?;
         let Some(Motion::Slave(slave)) = &axis.motion else { return Err(1) };
         if axis.began || slave.now.is_some() {
             self.open = Some("two switches at one instant");
         }
-        check(self.then[place].is_none())?;
+        check(self.then[axis_index].is_none())?;
         check(!table || !axis.follow.fifos[slave.fifo ^ 1].is_empty())?;
-        if let Some(Motion::Slave(slave)) = &mut self.axes[place].motion {
+        if let Some(Motion::Slave(slave)) = &mut self.axes[axis_index].motion {
             slave.now = Some(table);
         }
         DONE

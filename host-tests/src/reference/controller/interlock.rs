@@ -67,13 +67,13 @@ impl Controller {
         };
         self.unsettle(u8::MAX);
         // PT, PVT, Follow and a Trap move come to their end; Jog has none.
-        for place in 0..self.axes.len() {
-            let axis = &self.axes[place];
+        for axis_index in 0..self.axes.len() {
+            let axis = &self.axes[axis_index];
             if axis.runs() && !axis.driven && (abrupt || axis.mode == Mode::Jog) {
                 *self.used.entry("motions that an interlock ends").or_default() += 1;
                 // A program knows nothing of it: docs/motion.md.
-                self.axes[place].broken |= matches!(self.axes[place].motion, Some(Motion::Stream(..)));
-                self.stop_axis(place, abrupt, Why::Interlock);
+                self.axes[axis_index].broken |= matches!(self.axes[axis_index].motion, Some(Motion::Stream(..)));
+                self.stop_axis(axis_index, abrupt, Why::Interlock);
             }
         }
         let running: Vec<_> = self.crds.iter().filter(|(_, crd)| crd.runs).map(|(name, _)| *name).collect();

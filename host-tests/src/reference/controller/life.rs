@@ -19,8 +19,8 @@ impl Controller {
         self.is_core(core)?;
         self.unsettle(u8::MAX);
         self.light.calls.push(Act::Abort);
-        for place in 0..self.axes.len() {
-            self.stop_axis(place, false, Why::Abort);
+        for axis_index in 0..self.axes.len() {
+            self.stop_axis(axis_index, false, Why::Abort);
         }
         let running = self.crds.iter().filter(|(_, crd)| crd.runs).map(|(name, _)| *name).collect::<Vec<_>>();
         running.iter().for_each(|name| self.stop_path(*name, false, Why::Abort));
@@ -41,9 +41,9 @@ impl Controller {
         if self.aborted == 0 {
             return;
         }
-        for (place, axis) in self.axes.iter().enumerate() {
+        for (axis_index, axis) in self.axes.iter().enumerate() {
             if !axis.runs() {
-                self.aborted &= !(1 << place);
+                self.aborted &= !(1 << axis_index);
             }
         }
         if self.aborted == 0 {
@@ -65,8 +65,8 @@ impl Controller {
         }
         // SPEC 9: what binds safety to a user falls back, whichever core it is.
         self.interlock.motion = Interlock::default().motion;
-        for place in (0..self.axes.len()).filter(|place| self.cores[*place] == core) {
-            let axis = &mut self.axes[place];
+        for axis_index in (0..self.axes.len()).filter(|axis_index| self.cores[*axis_index] == core) {
+            let axis = &mut self.axes[axis_index];
             if axis.runs() {
                 *self.used.entry("resets of motion").or_default() += 1;
             }
@@ -80,7 +80,7 @@ impl Controller {
             (axis.encoder, axis.encoder_zero) = (encoder, encoder[1]);
             (axis.slack, axis.zero_slack, axis.renamed, axis.halted) = (slack, slack, true, runs);
             (axis.resets, axis.is_lost) = (RESET_TICKS, runs || encoder[0] != encoder[1]);
-            self.then[place] = None;
+            self.then[axis_index] = None;
         }
         self.tables.retain(|(of, _), _| *of != core);
         for (name, crd) in self.crds.iter().filter(|(name, crd)| name.0 == core && crd.runs) {

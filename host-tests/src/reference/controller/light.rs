@@ -306,8 +306,8 @@ impl Controller {
         self.light.step(before as f64 / 1e6, now as f64 / 1e6);
         self.open = self.open.or(self.light.open);
         let (mut at, mut apart) = ([[0.0; 4]; 2], [0.0; 4]);
-        for (place, axis) in self.axes.iter().enumerate() {
-            let (core, number) = self.setup.axes[place];
+        for (axis_index, axis) in self.axes.iter().enumerate() {
+            let (core, number) = self.setup.axes[axis_index];
             if core == 1 && (1..=4).contains(&number) {
                 at[0][number as usize - 1] = axis.name().to_f64();
                 apart[number as usize - 1] = (axis.slack + axis.late + self.rounding(axis)).to_f64();

@@ -128,7 +128,7 @@ impl Controller {
             // Coordinates are names: ZeroPos and SetPrfPos change them.
             for (coordinate, axis) in set.axes.iter().enumerate() {
                 let Some(axis) = *axis else { continue };
-                crd.place[coordinate] = (self.axes[axis].name() - set.zero[coordinate]).to_f64();
+                crd.position[coordinate] = (self.axes[axis].name() - set.zero[coordinate]).to_f64();
             }
         }
         Ok(crd)
@@ -313,7 +313,7 @@ impl Controller {
         if begin.is_none() {
             self.open = Some("a motion whose begin is not known yet");
         }
-        begin.unwrap_or(of.place)
+        begin.unwrap_or(of.position)
     }
 
     fn line(&mut self, name: Name, to: &[i32], speeds: &Speeds, fifo: i16) -> Answer {
@@ -322,8 +322,8 @@ impl Controller {
         let dimension = of.set.as_ref().map_or(0, |set| set.axes.iter().flatten().count());
         let begin = self.begin(name, fifo as usize, false);
         let mut target = begin;
-        for (place, to) in target.iter_mut().zip(to) {
-            *place = f64::from(*to);
+        for (position, to) in target.iter_mut().zip(to) {
+            *position = f64::from(*to);
         }
         range(to.iter().enumerate().all(|(index, to)| *to == 0 || index < dimension))?;
         if target == begin {
@@ -395,7 +395,7 @@ impl Controller {
                 self.axes[axis].set_mode(Mode::Trap);
             }
         }
-        let (mut zero, mut place, mut of) = ([Fix::ZERO; 4], [0.0; 4], [None; 4]);
+        let (mut zero, mut position, mut of) = ([Fix::ZERO; 4], [0.0; 4], [None; 4]);
         for (index, &axis) in axes.iter().enumerate() {
             let axis_of = &mut self.axes[axis];
             axis_of.set_mode(Mode::Crd);
@@ -405,7 +405,7 @@ impl Controller {
                 Some(origin) => Fix::whole(origin[index].into()),
                 None => axis_of.name(),
             };
-            place[index] = (axis_of.name() - zero[index]).to_f64();
+            position[index] = (axis_of.name() - zero[index]).to_f64();
             of[index] = Some(axis);
         }
         let frame = Frame { speed, acc, even_ms: f64::from(even_ms) };
@@ -413,7 +413,7 @@ impl Controller {
         let moved = self.may_have_moved(name);
         let crd = Crd {
             set,
-            place,
+            position,
             moved,
             stop_dec: acc,
             certain: self.unsettled == 0 && origin.is_none(),
@@ -456,16 +456,16 @@ impl Controller {
             let fifo = fifo(crd);
             let of = self.crd(core, crd)?;
             let begins = of.fifos[fifo].begins();
-            let place = of.place;
-            let apart = |begin: [f64; 4]| begin.iter().zip(place).any(|(a, b)| (a - b).abs() > 1e-6);
+            let position = of.position;
+            let apart = |begin: [f64; 4]| begin.iter().zip(position).any(|(a, b)| (a - b).abs() > 1e-6);
             let elsewhere = begins.is_some_and(apart) || of.fifos[fifo].left.is_some_and(apart);
             let goes_on = of.fifos[fifo].left.is_some();
             let comes_back = of.comes_back(fifo);
             of.start(fifo, ms(now));
-            let mapped = of.set.as_ref().map_or([None; 4], |set| set.axes).into_iter().zip(place);
+            let mapped = of.set.as_ref().map_or([None; 4], |set| set.axes).into_iter().zip(position);
             // One whose coordinate is whole has come to where data ended.
-            let apart = |(axis, place): (Option<usize>, f64)| {
-                axis.filter(|_| place.fract() != 0.0).map_or(0.0, |axis: usize| self.axes[axis].slack.to_f64())
+            let apart = |(axis, position): (Option<usize>, f64)| {
+                axis.filter(|_| position.fract() != 0.0).map_or(0.0, |axis: usize| self.axes[axis].slack.to_f64())
             };
             let apart = mapped.map(apart).sum();
             self.crd(core, crd)?.blur_length(apart);
@@ -580,7 +580,7 @@ impl Controller {
             Path::Pos { crd: number } => {
                 let of = crd(number);
                 let set = of.set.as_ref();
-                let place = |coordinate: usize| {
+                let position = |coordinate: usize| {
                     let axis = set.and_then(|set| set.axes[coordinate]);
                     let zero = set.map_or(Fix::ZERO, |set| set.zero[coordinate]);
                     axis.map_or(0.0, |axis| (self.axes[axis].name() - zero).to_f64())
@@ -590,7 +590,7 @@ impl Controller {
                 let has_left = set.is_some_and(|set| set.axes.iter().flatten().any(left));
                 let slack = |axis: &usize| (self.axes[*axis].slack + self.axes[*axis].late).to_f64();
                 let slack = set.map_or(0.0, |set| set.axes.iter().flatten().map(slack).fold(0.0, f64::max));
-                (Value::CrdPosition(std::array::from_fn(place), slack), has_left)
+                (Value::CrdPosition(std::array::from_fn(position), slack), has_left)
             }
             _ => (Value::None, true),
         }

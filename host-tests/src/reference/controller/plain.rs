@@ -12,24 +12,24 @@ use super::{Controller, Reply, SETTLED, Then, Value};
 const ROUNDED: Fix = Fix(1 << 44);
 
 impl Controller {
-    pub(super) fn plain(&mut self, index: usize, call: &Call, kind: Kind, place: usize) -> Answer {
-        let crd = self.axes[place].light_crd();
+    pub(super) fn plain(&mut self, index: usize, call: &Call, kind: Kind, axis_index: usize) -> Answer {
+        let crd = self.axes[axis_index].light_crd();
         // A channel may be mapped to the coordinate system of another axis, whose alarm is there
         // yet.
         let alarmed = crd.is_some()
             && self.axes.iter().any(|axis| axis.is_alarmed() && (axis.light_crd().is_some() || axis.alarms.is_some()));
-        let axis = &mut self.axes[place];
+        let axis = &mut self.axes[axis_index];
         match kind {
             Kind::AxisOn => axis.servo = true,
             Kind::AxisOff => {
-                let of = |crd: &super::super::crd::Crd| crd.started_here && crd.moves() >> place & 1 == 1;
+                let of = |crd: &super::super::crd::Crd| crd.started_here && crd.moves() >> axis_index & 1 == 1;
                 if axis.driven || self.crds.values().any(of) {
                     self.open = Some("AxisOff of an axis on a path");
                 }
                 let fault = axis.light_crd().filter(|_| axis.servo).map(|crd| Act::Fault(crd, SERVO_OFF));
                 axis.servo = false;
                 axis.halt(Why::ServoOff);
-                self.then[place] = None;
+                self.then[axis_index] = None;
                 self.light.calls.extend(fault);
                 if let Some(of) = crd.and_then(|crd| self.crds.get_mut(&(1, crd as i16 + 1))) {
                     of.stopped |= !of.awaited;
@@ -41,7 +41,7 @@ impl Controller {
                 axis.rename(Fix::ZERO);
                 axis.encoder_zero = axis.encoder[1];
                 axis.is_lost = false;
-                self.renamed(place);
+                self.renamed(axis_index);
             }
             Kind::ClrSts => {
                 if alarmed {
@@ -92,7 +92,7 @@ impl Controller {
             }
             Kind::GetFollowMaster | Kind::GetFollowMasterEx => {
                 check(axis.mode == if kind == Kind::GetFollowMaster { Mode::Follow } else { Mode::FollowEx })?;
-                return Ok(self.master_of(place));
+                return Ok(self.master_of(axis_index));
             }
             _ => return Ok(self.read(index, call, 0)),
         }
@@ -101,9 +101,9 @@ impl Controller {
 
     /// GetFollowMaster: axis of its core, type, item. Before SetFollowMaster it is axis 0 with type
     /// 2.
-    fn master_of(&self, place: usize) -> Reply {
-        let Some(master) = self.axes[place].follow.master else { return Reply::Done(Value::Three(0, 2, 0)) };
-        let (index, kind) = self.setup.master(place, master.axis, master.kind);
+    fn master_of(&self, axis_index: usize) -> Reply {
+        let Some(master) = self.axes[axis_index].follow.master else { return Reply::Done(Value::Three(0, 2, 0)) };
+        let (index, kind) = self.setup.master(axis_index, master.axis, master.kind);
         Reply::Done(Value::Three(index.into(), kind.into(), master.item.into()))
     }
 
@@ -122,10 +122,10 @@ impl Controller {
                 for axis in members(mask) {
                     check(!self.axes[axis].runs())?;
                 }
-                for place in members(mask) {
-                    let axis = &mut self.axes[place];
+                for axis_index in members(mask) {
+                    let axis = &mut self.axes[axis_index];
                     axis.rename(axis.encoder[1] - axis.encoder_zero);
-                    self.renamed(place);
+                    self.renamed(axis_index);
                 }
             }
             Call::SetAxisBand { axis, band, time } => {
@@ -167,20 +167,20 @@ impl Controller {
     }
 
     pub(super) fn stop(&mut self, mask: u32, abrupt: u32) -> Answer {
-        let of = |place: usize| self.axes[place].light_crd().or(self.axes[place].geared_crd());
+        let of = |axis_index: usize| self.axes[axis_index].light_crd().or(self.axes[axis_index].geared_crd());
         let named = members(mask).filter_map(of).fold(0, |mask, crd| mask | 1 << crd);
         self.unsettle(named);
         self.stop_light(named);
         // A call stops a path once: abruptly, if it stops one of its axes so.
         let mut paths = BTreeMap::new();
-        for place in members(mask) {
-            let (axis, abrupt) = (&mut self.axes[place], abrupt >> place & 1 == 1);
+        for axis_index in members(mask) {
+            let (axis, abrupt) = (&mut self.axes[axis_index], abrupt >> axis_index & 1 == 1);
             match axis.crd.filter(|_| axis.driven) {
                 Some(name) => {
                     axis.stopped = true;
                     *paths.entry(name).or_insert(false) |= abrupt;
                 }
-                None => self.stop_axis(place, abrupt, Why::Smooth),
+                None => self.stop_axis(axis_index, abrupt, Why::Smooth),
             }
         }
         paths.into_iter().for_each(|(name, abrupt)| self.stop_path(name, abrupt, Why::Smooth));
@@ -188,8 +188,8 @@ impl Controller {
     }
 
     /// Stops an axis, or the path that it belongs to.
-    pub(super) fn stop_axis(&mut self, place: usize, abrupt: bool, why: Why) {
-        let axis = &mut self.axes[place];
+    pub(super) fn stop_axis(&mut self, axis_index: usize, abrupt: bool, why: Why) {
+        let axis = &mut self.axes[axis_index];
         axis.stopped = true;
         if axis.driven {
             if let Some(name) = axis.crd {
@@ -197,35 +197,35 @@ impl Controller {
             }
             return;
         }
-        if self.crds.values().any(|crd| crd.started_here && crd.moves() >> place & 1 == 1) {
+        if self.crds.values().any(|crd| crd.started_here && crd.moves() >> axis_index & 1 == 1) {
             self.open = Some("a Stop of an axis at the instant of a start of a path that moves it");
         }
-        let axis = &mut self.axes[place];
+        let axis = &mut self.axes[axis_index];
         if !axis.runs() {
             return;
         }
         // What begins at this instant does not move.
         if abrupt || axis.began {
-            let rounding = self.rounding(&self.axes[place]);
-            let axis = &mut self.axes[place];
+            let rounding = self.rounding(&self.axes[axis_index]);
+            let axis = &mut self.axes[axis_index];
             axis.slack += rounding;
             axis.halt(if abrupt && why == Why::Smooth { Why::Abrupt } else { why });
-            self.then[place] = None;
+            self.then[axis_index] = None;
             return;
         }
-        let brakes = match self.then[place] {
+        let brakes = match self.then[axis_index] {
             Some(then) => matches!(then, Then::Brake(..)),
             None => axis.braking.is_some(),
         };
         // A braking axis keeps the deceleration of its first Stop.
         if !brakes {
-            self.then[place] = Some(Then::Brake(axis.stop_dec, why));
+            self.then[axis_index] = Some(Then::Brake(axis.stop_dec, why));
         }
     }
 
     pub(super) fn update(&mut self, mask: u32, now: i64) -> Answer {
-        for place in members(mask) {
-            let axis = &self.axes[place];
+        for axis_index in members(mask) {
+            let axis = &self.axes[axis_index];
             check(match axis.mode {
                 Mode::Trap => axis.trap.acc > 0.0 && axis.trap.dec > 0.0,
                 Mode::Jog => axis.jog.acc > 0.0,
@@ -241,13 +241,13 @@ impl Controller {
         // What is read at this instant is read at its tick (docs/jobs.md).
         let starts = |call: &Call| matches!(call, Call::Axis { kind: Kind::GetSts, axis } if mask >> axis & 1 == 1);
         self.reads.retain(|(_, call, _)| !starts(call));
-        for place in members(mask) {
-            let aim = self.axes[place].aim();
+        for axis_index in members(mask) {
+            let aim = self.axes[axis_index].aim();
             // What begins at this instant has no velocity yet, and is replaced.
-            if self.axes[place].runs() && !self.axes[place].began {
-                self.then[place] = Some(Then::Update(aim));
+            if self.axes[axis_index].runs() && !self.axes[axis_index].began {
+                self.then[axis_index] = Some(Then::Update(aim));
             } else {
-                self.axes[place].update(now, aim);
+                self.axes[axis_index].update(now, aim);
             }
         }
         DONE
@@ -255,8 +255,8 @@ impl Controller {
 
     /// An axis got another name. In the tick in which a coordinate system takes it, the program
     /// does not know where that stands until it is done: docs/crd.md.
-    fn renamed(&mut self, place: usize) {
-        if self.axes[place].joined {
+    fn renamed(&mut self, axis_index: usize) {
+        if self.axes[axis_index].joined {
             (self.unsettled, self.still_ns) = (self.unsettled.max(1), 0);
         }
     }

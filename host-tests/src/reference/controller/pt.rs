@@ -7,18 +7,18 @@ use super::{Controller, Reply, Then};
 
 impl Controller {
     pub(super) fn pt_start(&mut self, mask: u32, option: u32, now: i64) -> Answer {
-        let fifo = |place: usize| (option >> place & 1) as usize;
-        for place in members(mask) {
-            let axis = &mut self.axes[place];
+        let fifo = |axis_index: usize| (option >> axis_index & 1) as usize;
+        for axis_index in members(mask) {
+            let axis = &mut self.axes[axis_index];
             axis.broken |= axis.pt.dynamic && axis.blocked();
         }
-        for place in members(mask) {
-            let axis = &self.axes[place];
+        for axis_index in members(mask) {
+            let axis = &self.axes[axis_index];
             check(axis.mode == Mode::Pt && !axis.runs() && !axis.blocked())?;
-            check(!axis.pt.fifos[if axis.pt.dynamic { 0 } else { fifo(place) }].is_empty())?;
+            check(!axis.pt.fifos[if axis.pt.dynamic { 0 } else { fifo(axis_index) }].is_empty())?;
         }
-        for place in members(mask) {
-            self.axes[place].start_pt(fifo(place), now);
+        for axis_index in members(mask) {
+            self.axes[axis_index].start_pt(fifo(axis_index), now);
         }
         DONE
     }
@@ -73,13 +73,13 @@ impl Controller {
         DONE
     }
 
-    pub(super) fn pt_data(&mut self, place: usize, pos: f64, time_ms: i32, kind: i16, fifo: i16) -> Answer {
-        if matches!(self.then[place], Some(Then::Brake(..))) {
+    pub(super) fn pt_data(&mut self, axis_index: usize, pos: f64, time_ms: i32, kind: i16, fifo: i16) -> Answer {
+        if matches!(self.then[axis_index], Some(Then::Brake(..))) {
             // The Stop of this instant comes before it.
-            self.belated |= self.axes[place].pt.dynamic && self.axes[place].runs();
-            self.axes[place].end_stream();
+            self.belated |= self.axes[axis_index].pt.dynamic && self.axes[axis_index].runs();
+            self.axes[axis_index].end_stream();
         }
-        let axis = &self.axes[place];
+        let axis = &self.axes[axis_index];
         if axis.broken && axis.pt.dynamic {
             self.open = Some("data after a stream that a limit or an interlock ended");
         }
@@ -96,8 +96,8 @@ impl Controller {
             return DONE;
         }
         either(held < axis.pt_capacity(), i64::from(time_ms) > last)?;
-        let stops = matches!(self.then[place], Some(Then::Brake(..)));
-        let axis = &mut self.axes[place];
+        let stops = matches!(self.then[axis_index], Some(Then::Brake(..)));
+        let axis = &mut self.axes[axis_index];
         axis.pt.fifos[fifo].push(Segment { pos, time_ms: time_ms.into(), kind });
         if !stops {
             axis.pt_grew(fifo);

@@ -38,9 +38,10 @@ impl Controller {
                 axis.filter.get_or_insert_with(|| Filter::new(at)).step(at, now - before);
             }
             let filter = axis.filter.clone();
-            let place = |at: Fix| master.and_then(|master| self.position_of(filter.as_ref(), master, at, before, now));
+            let position =
+                |at: Fix| master.and_then(|master| self.position_of(filter.as_ref(), master, at, before, now));
             let times = [Fix::ms(before), Fix::ms(now)];
-            let lead = master.map(|master| self.lead(filter.as_ref(), master, &times, &place));
+            let lead = master.map(|master| self.lead(filter.as_ref(), master, &times, &position));
             // A controller has few slots for a master's motion in a tick: between the first and the
             // last of several knots it is linear for the slaves. A knot on the tick counts, and so
             // does where a Stop or an Update of the master acts.
@@ -75,8 +76,8 @@ impl Controller {
             axis.velocity_rounding = Fix::ZERO;
             if let (Some(lead), Some(Motion::Slave(slave)), Some(master)) = (&lead, &axis.motion, master) {
                 let of = if master.is_sampled() { Fix::ZERO } else { self.axes[master.axis].velocity_rounding };
-                let place = self.rounding_of_master(&axis);
-                axis.velocity_rounding = slave.velocity_rounding(lead, place, of);
+                let position = self.rounding_of_master(&axis);
+                axis.velocity_rounding = slave.velocity_rounding(lead, position, of);
                 if master.is_sampled() {
                     // Its speed is taken from its master's positions at two ticks.
                     axis.velocity_rounding += Fix(1 << 43).over(Fix::ms(self.tick_ns));

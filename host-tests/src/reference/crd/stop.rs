@@ -42,7 +42,7 @@ impl Crd {
         }
         self.resumed = true;
         self.held = self.speed.max(published.speed);
-        self.place = published.place;
+        self.position = published.position;
         self.knots.clear();
         self.is_straight = true;
         self.come_to_standstill(Rest::Stopped);

@@ -30,7 +30,7 @@ impl Making<'_> {
     }
 
     /// Positions around where axes of the programs are.
-    fn places(&mut self, count: usize) -> Vec<i32> {
+    fn positions(&mut self, count: usize) -> Vec<i32> {
         let mut at = -(self.below(400) as i32);
         (0..count)
             .map(|_| {
@@ -55,8 +55,8 @@ impl Making<'_> {
     fn lines(&mut self, channel: i16) -> LightTable {
         let count = if self.one_in(20) { self.pick(&[0, 18]) } else { 1 + self.below(5) as usize };
         let points = [0; 4].map(|_| {
-            let places = self.places(count);
-            places.into_iter().map(|at| (at, self.ratio_of_table())).collect()
+            let positions = self.positions(count);
+            positions.into_iter().map(|at| (at, self.ratio_of_table())).collect()
         });
         let bounds = self.table_bounds();
         let limits = self.one_in(2).then(|| [0; 4].map(|_| self.most_of_axis()));
@@ -67,7 +67,7 @@ impl Making<'_> {
         let axes =
             if self.one_in(20) { self.pick(&[[1, 1], [0, 1], [2, 5]]) } else { self.pick(&[[1, 2], [3, 1], [2, 4]]) };
         let [columns, rows] = [0; 2].map(|_| if self.one_in(40) { 0 } else { 1 + self.below(4) as usize });
-        let (x, y) = (self.places(columns), self.places(rows));
+        let (x, y) = (self.positions(columns), self.positions(rows));
         let ratios = (0..columns * rows).map(|_| self.ratio_of_table()).collect();
         let bounds = self.table_bounds();
         let limits = self.one_in(2).then(|| [0; 2].map(|_| self.most_of_axis()));

@@ -116,8 +116,8 @@ impl Making<'_> {
             let fifo_of = fifo as i16;
             self.path(core, Path::Arc { crd, plane, to: target, round, ccw, speeds, fifo: fifo_of });
         } else {
-            for place in &mut to {
-                *place += ((self.chance.unit() - 0.5) * 2.0 * length).round() as i32;
+            for position in &mut to {
+                *position += ((self.chance.unit() - 0.5) * 2.0 * length).round() as i32;
             }
             to[0] += 1;
             if to.len() == 2 && self.one_in(6) {

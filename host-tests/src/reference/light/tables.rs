@@ -41,13 +41,15 @@ pub enum Ratios {
 
 impl Ratios {
     /// The ratio of each axis, and how much it changes for a pulse.
-    pub fn at(&self, place: &[f64; 4]) -> [[f64; 2]; 4] {
+    pub fn at(&self, position: &[f64; 4]) -> [[f64; 2]; 4] {
         match self {
-            Ratios::Lines(lines) => std::array::from_fn(|axis| [lines[axis].at(place[axis]), lines[axis].steepest()]),
+            Ratios::Lines(lines) => {
+                std::array::from_fn(|axis| [lines[axis].at(position[axis]), lines[axis].steepest()])
+            }
             Ratios::Plane { axes: [x, y], y: at, rows } => {
-                let across = Line(at.iter().zip(rows).map(|(at, row)| [*at, row.at(place[*x])]).collect());
+                let across = Line(at.iter().zip(rows).map(|(at, row)| [*at, row.at(position[*x])]).collect());
                 let along = rows.iter().map(Line::steepest).fold(0.0, f64::max);
-                let both = [across.at(place[*y]), across.steepest() + along];
+                let both = [across.at(position[*y]), across.steepest() + along];
                 std::array::from_fn(|axis| if axis == *x || axis == *y { both } else { [0.0; 2] })
             }
         }

@@ -13,22 +13,22 @@ impl Slave {
         if self.dir == 0 && self.pass == self.floor.0 && (here < lowest || here == lowest && along < Fix::ZERO) {
             return Fix::ZERO;
         }
-        self.table.curve.slope(self.place, along > Fix::ZERO) * along
+        self.table.curve.slope(self.position, along > Fix::ZERO) * along
     }
 
     /// What 22 fraction bits of positions and speeds make of it, where its master is known to
     /// `place` besides, and the master's velocity to `of_master`.
-    pub fn velocity_rounding(&self, lead: &Lead, place: Fix, of_master: Fix) -> Fix {
+    pub fn velocity_rounding(&self, lead: &Lead, position: Fix, of_master: Fix) -> Fix {
         let curve = &self.table.curve;
-        let bend = curve.curvature(self.place).unwrap_or(Fix::ZERO).abs();
-        ROUNDED + bend * lead.velocity.abs() * (ROUNDED + place) + curve.slope(self.place, true).abs() * of_master
+        let bend = curve.curvature(self.position).unwrap_or(Fix::ZERO).abs();
+        ROUNDED + bend * lead.velocity.abs() * (ROUNDED + position) + curve.slope(self.position, true).abs() * of_master
     }
 
     /// A knot or an end of a pass so near that its velocity may be that of either side.
     pub fn is_near_knot(&self, lead: &Lead) -> bool {
         let along = self.along(lead.velocity);
         let moves = if self.dir == 0 { along != Fix::ZERO } else { along > Fix::ZERO };
-        let jump = self.table.curve.jump_near(self.place, NEAR);
+        let jump = self.table.curve.jump_near(self.position, NEAR);
         // One of a single direction goes on from the furthest point.
         if let Some(&at) = lead.track.last()
             && self.dir != 0
@@ -44,7 +44,7 @@ impl Slave {
         {
             return moves && self.state == State::Runs;
         }
-        moves && self.state == State::Runs && self.place != Fix::ZERO && jump > Fix(1 << 44)
+        moves && self.state == State::Runs && self.position != Fix::ZERO && jump > Fix(1 << 44)
     }
 }
 

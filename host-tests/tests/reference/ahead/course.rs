@@ -93,8 +93,8 @@ impl Making {
     fn target(&mut self) -> Position {
         let far = self.chance.log(2.0, 400.0);
         let mut to = self.at;
-        for place in &mut to[..self.course.dimension] {
-            *place += ((self.chance.unit() - 0.4) * far).round();
+        for position in &mut to[..self.course.dimension] {
+            *position += ((self.chance.unit() - 0.4) * far).round();
         }
         to[0] += 1.0;
         if to == self.at {

@@ -81,9 +81,9 @@ pub fn table(of: &LightTable) -> Wire {
             Wire::with_items(request, &items)
         }
         LightTable::Plane { axes, x, y, ratios, bounds: [min, max], limits, .. } => {
-            let places = x.iter().chain(y).map(|at| f64::from(*at));
+            let positions = x.iter().chain(y).map(|at| f64::from(*at));
             let items: Vec<LaserDisValue> =
-                places.chain(ratios.iter().copied()).map(|value| LaserDisValue { value: value.into() }).collect();
+                positions.chain(ratios.iter().copied()).map(|value| LaserDisValue { value: value.into() }).collect();
             let (axis, count) = (axes.map(Into::into), [x.len(), y.len()].map(|count| (count as i16).into()));
             let (min, max, limit) = ((*min).into(), (*max).into(), limits.unwrap_or_default().map(Into::into));
             let limits_given = u8::from(limits.is_some());

@@ -172,9 +172,9 @@ pub fn got(of: &PathCall, answer: &Answer) -> Option<Got> {
         }
         Path::Vel { .. } => answer.reply::<GetCrdVel>().map(|(reply, _)| Got::Real(reply.value.get())),
         Path::Pos { .. } => answer.reply::<GetCrdPos>().map(|(_, items)| {
-            let mut place = [0.0; 4];
-            place.iter_mut().zip(items).for_each(|(place, item)| *place = item.value.get());
-            Got::CrdPosition(place)
+            let mut position = [0.0; 4];
+            position.iter_mut().zip(items).for_each(|(position, item)| *position = item.value.get());
+            Got::CrdPosition(position)
         }),
         _ => None,
     }

@@ -100,7 +100,7 @@ impl Controller {
                             let comes_beyond = |(coordinate, axis): (usize, &Option<usize>)| {
                                 let (Some(axis), Some(set)) = (axis, &of.set) else { return false };
                                 let zero = axes[*axis].zero + set.zero[coordinate];
-                                axes[*axis].is_beyond(zero + Fix::of_f64(of.place[coordinate]))
+                                axes[*axis].is_beyond(zero + Fix::of_f64(of.position[coordinate]))
                             };
                             let axes_of = of.set.as_ref().map_or([None; 4], |set| set.axes);
                             if axes_of.iter().enumerate().any(comes_beyond) {
@@ -156,10 +156,10 @@ impl Controller {
                 let Some(axis) = *axis else { continue };
                 let axis = &mut axes[axis];
                 let zero = axis.zero + set.zero[coordinate];
-                let at = |place: &[f64; 4]| zero + Fix::of_f64(place[coordinate]);
+                let at = |position: &[f64; 4]| zero + Fix::of_f64(position[coordinate]);
                 let mut track = vec![(Fix::ms(before), axis.x)];
-                track.extend(of.knots.iter().map(|(when, place)| (Fix::of_f64(*when), at(place))));
-                (axis.x, axis.v) = (at(&of.place), Fix::of_f64(velocities[coordinate]));
+                track.extend(of.knots.iter().map(|(when, position)| (Fix::of_f64(*when), at(position))));
+                (axis.x, axis.v) = (at(&of.position), Fix::of_f64(velocities[coordinate]));
                 track.push((Fix::ms(now), axis.x));
                 axis.carried = Some(track);
                 axis.bent = !of.is_straight;
