@@ -98,7 +98,7 @@ pub fn steps(bench: &mut Bench, report: &mut Report) {
     bench.ticks(3);
     capture::stop();
     let captured = capture::count(STEP_1) as i64;
-    // A stream whose timer stands keeps its place.
+    // A stream whose timer is stopped keeps its position.
     let place = || i64::from(DMA2.st(1).ndtr().read().ndt());
     let running = place();
     TIM17.cr1().modify(|w| w.set_cen(false));

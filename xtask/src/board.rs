@@ -110,13 +110,18 @@ fn check_link(link: &str) -> Outcome {
     if link.starts_with("tcp:") || link.strip_prefix("serial:").is_some_and(has_rate) {
         return Ok(());
     }
+    let rate = link.strip_prefix("serial:").map(|port| match port.rsplit_once(':') {
+        Some((_, rate)) => format!("{rate:?} is no rate"),
+        None => "the rate is missing".to_owned(),
+    });
     Err(format!(
-        "{link} is no link to a board. It is\n  cargo bring-up                                       builds and flashes the image\n  \
+        "{link} is no link to a board{}. It is\n  cargo bring-up                                       builds and flashes the image\n  \
          cargo bring-up serial:/dev/ttyACM0:3000000           measures over the ST-LINK's port, and writes out/bring-up.md\n  \
          cargo bring-up serial:/dev/ttyACM0:3000000 loads     measures ticks of the board's own image\n  \
          cargo bring-up ... --no-flash                        the same, with the image that the board has\n\
          The port with its rate is serial:/dev/cu.usbmodemNNN:3000000 on macOS, serial:COM5:3000000 on Windows. A rate is {} to {}. \
          See docs/bring-up.md",
+        rate.map(|what| format!(": {what}")).unwrap_or_default(),
         BAUDS.start(),
         BAUDS.end()
     ))
@@ -473,9 +478,15 @@ mod tests {
                 [bring_up(Some(link), true), loads(link, true), bring_up(Some(link), false), loads(link, false)]
             {
                 let why = outcome.unwrap_err();
-                assert!(why.starts_with(&format!("{link} is no link to a board. It is\n  cargo bring-up")), "{why}");
+                assert!(why.starts_with(&format!("{link} is no link to a board")), "{why}");
+                assert!(why.contains(". It is\n  cargo bring-up"), "{why}");
             }
         }
+        let why = ["serial:COM5", "serial:/dev/null:abc"].map(|link| check_link(link).unwrap_err());
+        assert!(
+            why[0].contains(" a board: the rate is missing. ") && why[1].contains(": \"abc\" is no rate. "),
+            "{why:?}"
+        );
         assert_eq!(["serial:COM5:3000000", "tcp:127.0.0.1:5000"].map(check_link), [Ok(()), Ok(())]);
     }
 

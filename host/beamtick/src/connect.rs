@@ -86,6 +86,10 @@ pub fn named(name: &str, options: &LinkOptions) -> Result<Box<dyn Link>, Failure
     })
 }
 
+/// What else may be at a serial port.
+const OTHER_IMAGE: &str = "Look at the port and its rate. On a Nucleo the bring-up image may still run: flash the board's own (fifth \
+    step of docs/bring-up.md)";
+
 /// A client over a link; `reason` says why a job wants a larger profile than the first.
 pub fn linked(
     link: Box<dyn Link>,
@@ -95,7 +99,11 @@ pub fn linked(
 ) -> Result<Client, Failure> {
     let options = options(settings, wanted)?;
     let profile = options.profile;
+    let is_serial = link.name().starts_with("serial:");
     Client::open(link, options).map_err(|error| {
+        if is_serial && error.code == client::error::NO_ANSWER {
+            return Failure::Job(format!("error {}: {error}. {OTHER_IMAGE}", error.code));
+        }
         let too_large = error.refusal.is_some_and(|refusal| refusal.reason.get() == Reason::ProfileTooLarge as u16);
         match profile.zip(reason).filter(|_| too_large && settings.profile.is_none()) {
             Some((profile, reason)) => Failure::Job(format!(

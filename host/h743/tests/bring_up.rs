@@ -411,7 +411,7 @@ fn a_wrong_fact_of_dma_or_of_a_timer_fails_in_its_row() {
         (Wrong::Unconnected(8), &["from the interlock to dark", BREAKS], ""),
         (Wrong::BusyDma, &["steps of 1 MHz, all streams busy"], ""),
         (Wrong::LostClears, &["each step is played once"], ""),
-        (Wrong::StreamRewinds, &["a stream keeps its place while its timer stands"], ""),
+        (Wrong::StreamRewinds, &["a stream keeps its position while its timer is stopped"], ""),
         (Wrong::KeepsBurst(1), broken_off, ""),
         (Wrong::KeepsBurst(15), broken_off, ""),
         (Wrong::KeepsBurst(8), broken_off, ""),

@@ -194,6 +194,9 @@ fn the_clocks_guard_is_judged_by_the_first_instructions_after_it() {
     ] {
         let Some(board) = started("BEAMTICK_H743_BRING_UP", NUCLEO, wrong) else { return };
         let row = by_hand(&board, "clock", ROW, |machine, prompt| {
+            if prompt.contains("Enter makes both laser outputs active") {
+                return String::new();
+            }
             assert!(prompt.contains("Hold the ST-LINK in reset"), "{prompt}");
             machine.give_clock(false);
             machine.run(10 * MILLISECOND);
@@ -267,7 +270,10 @@ fn a_row_that_a_hand_has_settled_outlasts_the_next_run_on_the_same_chip() {
         row()
     };
     assert!(measured().contains(" | not measured | "));
-    let does = |machine: &mut Machine, _: &str| {
+    let does = |machine: &mut Machine, prompt: &str| {
+        if !prompt.contains("Hold the ST-LINK in reset") {
+            return String::new();
+        }
         machine.give_clock(false);
         machine.run(10 * MILLISECOND);
         machine.give_clock(true);

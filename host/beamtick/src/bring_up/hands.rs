@@ -185,6 +185,10 @@ fn through(
 /// The bring-up image lights both lasers until the clock stops, and says what its NMI found.
 /// However it fails, the light is ended by a byte.
 fn clock(hands: &mut dyn Hands) -> Result<Figures, Failure> {
+    hands.ask(
+        "The board must have its supply at VIN (JP2) already, with jumper 6 alone. Find the contact that holds the ST-LINK itself in \
+         reset (docs/bring-up.md); Ctrl-C if there is none. Enter makes both laser outputs active.",
+    )?;
     found_by_guard(hands).map_err(|failure| {
         failure.with(match hands.link().is_ok_and(|mut link| is_dark(&mut *link)) {
             true => ". The board says that the light has ended",
@@ -199,7 +203,7 @@ fn found_by_guard(hands: &mut dyn Hands) -> Result<Figures, Failure> {
         return Err(Failure::Job("there is no light: jumper 6 (docs/bring-up.md) is missing".to_owned()));
     }
     hands.ask(
-        "Both lasers are lit. Hold the ST-LINK in reset for a second by its own NRST (T_NRST is the STM32H743's). \
+        "Both laser outputs are active. Hold the ST-LINK in reset for a second by its own NRST (T_NRST is the STM32H743's). \
          Then press Enter. Enter alone ends the light, too.",
     )?;
     measure(&mut *hands.link()?, b"why\n")
@@ -309,8 +313,9 @@ mod tests {
         }
     }
 
-    /// What the board says to each link that is opened, the last one first.
-    struct GoesAway(Vec<&'static str>);
+    /// What the board says to each link that is opened, the last one first, and how often Enter is
+    /// pressed.
+    struct GoesAway(Vec<&'static str>, usize);
 
     impl Hands for GoesAway {
         fn link(&mut self) -> Result<Box<dyn Link>, Failure> {
@@ -319,7 +324,9 @@ mod tests {
         }
         fn pause(&mut self, _: u64) {}
         fn ask(&mut self, _: &str) -> Result<String, Failure> {
-            Err(Failure::Input("--hands: the standard input has ended".to_owned()))
+            let ended = || Failure::Input("--hands: the standard input has ended".to_owned());
+            self.1 = self.1.checked_sub(1).ok_or_else(ended)?;
+            Ok(String::new())
         }
         fn now_ms(&mut self) -> i64 {
             0
@@ -340,11 +347,14 @@ mod tests {
             (vec!["", lit], PRESS),
             (vec![lit], PRESS),
         ] {
-            let Err(Failure::Input(text)) = with(&mut GoesAway(says), ByHand::Clock, None) else {
+            let Err(Failure::Input(text)) = with(&mut GoesAway(says, 1), ByHand::Clock, None) else {
                 panic!("it went on")
             };
             assert_eq!(text, format!("--hands: the standard input has ended{ending}"));
         }
+        // Before there was light nothing is sent: no link is opened.
+        let Err(Failure::Input(text)) = with(&mut GoesAway(Vec::new(), 0), ByHand::Clock, None) else { panic!() };
+        assert_eq!(text, "--hands: the standard input has ended");
     }
 
     /// The cable's time has neither what a hand needs before, nor what comes after.

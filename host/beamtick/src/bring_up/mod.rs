@@ -48,10 +48,11 @@ const FILLING: [u8; 4096] = [b'.'; 4096];
 const PORT: &str =
     "serial:/dev/ttyACM0:3000000 (macOS: serial:/dev/cu.usbmodemNNN:3000000, Windows: serial:COM5:3000000)";
 const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image: `cargo bring-up`, or copy \
-    out/beamtick-bring-up-VERSION.hex onto the board's drive; press B2, try again. The link is the ST-LINK's port with its rate, \
-    3000000. LD3 (red) alone: the image refuses the chip, which is no STM32H743 of revision X or V (assumption 6)";
+    out/beamtick-bring-up-VERSION.hex (images/ of a release) onto the board's drive; press B2, try again. The link is the \
+    ST-LINK's port with its rate, 3000000. LD3 (red) alone: BOOT0 is bridged, or the image refuses the chip, which is no STM32H743 \
+    of revision X or V (assumption 6)";
 const NO_OWN_IMAGE: &str = "This wants the board's own image, and maybe the bring-up image runs: `cargo flash-board`, or copy \
-    out/beamtick-h743-VERSION.hex (`cargo xtask image`) onto the board's drive. The link is the ST-LINK's port with its rate, 3000000";
+    out/beamtick-h743-VERSION.hex (`cargo xtask image`; images/ of a release) onto the board's drive. The link is the ST-LINK's port with its rate, 3000000";
 const NO_FIGURE: &str = "the run has ended, and no row of the page has got a figure. The image and this program do not belong \
     together: build and flash the image anew (`cargo bring-up`), press B2, and give the command again";
 /// What is said where a signal ends the program at once.

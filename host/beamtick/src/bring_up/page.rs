@@ -138,7 +138,7 @@ impl Report {
         put("| row | assumption | result | figure |\n| --- | --- | --- | --- |".to_owned());
         self.judged.iter().for_each(|(row, verdict)| put(cells(row, verdict)));
         if self.failed() > 0 {
-            put(format!("\n{ADVICE}\n"));
+            put(format!("\n{ADVICE}\n\n{NO_LASER}\n"));
             let failed = self.judged.iter().filter(|(_, verdict)| matches!(verdict, Verdict::Fail(_)));
             failed.for_each(|(row, _)| put(advice(row)));
         }
@@ -148,6 +148,9 @@ impl Report {
 
 /// The section of advice.
 const ADVICE: &str = "## What to change";
+/// Stands before the advice.
+const NO_LASER: &str = "**Connect no laser to this board while a row fails.** Press B2 and measure a second time. If it fails again, do \
+    what the row says, or send this page to the project.";
 
 /// A row of the table.
 fn cells(row: &Row, verdict: &Verdict) -> String {
@@ -283,14 +286,16 @@ fn results(page: &str) -> impl Iterator<Item = &str> {
 
 /// With the advice of a row that failed.
 fn advised(text: &str, row: &Row) -> String {
-    let more = format!("{}\n", advice(row));
+    let more = format!("{ADVICE}\n\n{NO_LASER}\n\n{}\n", advice(row));
     match text.split_once(&format!("{ADVICE}\n\n")) {
-        Some((head, rest)) => format!("{head}{ADVICE}\n\n{more}{rest}"),
+        Some((head, rest)) => {
+            format!("{head}{more}{}", rest.strip_prefix(&format!("{NO_LASER}\n\n")).unwrap_or(rest))
+        }
         // After the table.
         None => {
             let end = text.rfind("\n|").and_then(|last| text[last + 1..].find('\n').map(|line| last + 1 + line));
             let (head, rest) = text.split_at(text.find("\n\n## ").or(end).unwrap_or(text.len()));
-            format!("{head}\n\n{ADVICE}\n\n{more}{rest}")
+            format!("{head}\n\n{more}{rest}")
         }
     }
 }
@@ -402,7 +407,7 @@ mod tests {
         assert_eq!((failed, line(&bad, WATCHDOG)), (1, before.as_str()));
         assert!(line(&bad, CLOCK).contains("| **FAIL** | MOE of TIM1 0, TIM15 1, TIM8 0 in"), "{bad}");
         assert!(bad.contains("\n1 row passed, 1 failed, 0 figures, ") && bad.contains(" | pass | 100.0 ms"), "{bad}");
-        assert!(bad.contains(&format!(" |\n\n{ADVICE}\n\n- {CLOCK}: ")), "{bad}");
+        assert!(bad.contains(&format!(" |\n\n{ADVICE}\n\n{NO_LASER}\n\n- {CLOCK}: ")), "{bad}");
         // A section after the table stays the last one.
         let bad = bad + "\n## Ticks under load\n\n| a | 21 | pass | b |\n";
         let (good, failed) = settled(&bad, &figures("clock-lost", &[1, 1, 1, 0, 0, 0])).unwrap();
@@ -411,6 +416,7 @@ mod tests {
         let (bad, _) = settled(&good, &figures("answers", &[0, 1, 0])).unwrap();
         let place = |text: &str| bad.find(text).unwrap();
         assert!(place(ADVICE) < place("- USB of the Nucleo answers: "), "{bad}");
+        assert_eq!(bad.matches(NO_LASER).count(), 1, "{bad}");
         assert!(place("- USB of the Nucleo answers: ") < place("## Ticks under load"), "{bad}");
     }
 

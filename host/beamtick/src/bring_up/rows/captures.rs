@@ -73,7 +73,7 @@ pub const ROWS: &[Row] = &[
         remedy: "clear later: raise TIM17's CCR1 to half a slot in `start` of hal/src/stm32h743/steps.rs",
     },
     Row {
-        what: "a stream keeps its place while its timer stands",
+        what: "a stream keeps its position while its timer is stopped",
         assumptions: &[13],
         judge: stream,
         remedy: "`locate` in hal/src/stm32h743/steps.rs must find the slot anew after each overrun",

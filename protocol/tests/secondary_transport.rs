@@ -26,7 +26,7 @@ fn take_overs(controller: &mut End, now: Ns, holder: Option<&str>, bytes: &[u8])
 }
 
 #[test]
-fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
+fn a_session_is_taken_up_on_the_secondary_transport_and_only_then_is_the_link_there() {
     let (mut first, mut controller) = opened();
     let session = controller.session();
     first.send(b"before").unwrap();
@@ -73,7 +73,7 @@ fn a_session_is_taken_up_on_the_second_wire_and_only_then_is_the_link_there() {
 }
 
 #[test]
-fn a_session_that_was_not_offered_takes_nothing_up_on_the_second_wire() {
+fn a_session_that_was_not_offered_takes_nothing_up_on_the_secondary_transport() {
     let (mut first, mut controller) = opened();
     let session = controller.session();
     let mut second = End::new(Role::Client, Identity::OURS);
@@ -92,7 +92,7 @@ fn a_session_that_was_not_offered_takes_nothing_up_on_the_second_wire() {
 }
 
 #[test]
-fn a_stranger_at_the_second_wire_learns_so_and_nothing_changes() {
+fn a_stranger_at_the_secondary_transport_learns_so_and_nothing_changes() {
     let (mut first, mut controller) = opened();
     let session = controller.session();
     let mut stranger = End::new(Role::Client, Identity { schema: 0, ..Identity::OURS });
