@@ -447,3 +447,54 @@ fn a_strict_job_names_the_entry_that_was_late() {
     assert!(errors.contains("an entry before it was late"), "{errors}");
     assert!(errors.contains(&format!("The first late entry is {first};")), "{first}: {errors}");
 }
+
+/// The light of `bring-up --hands clock` is ended by a byte, and the program sends it at a signal,
+/// too: at the prompt under light, and right after the order.
+#[test]
+fn a_signal_under_the_light_of_bring_up_sends_the_byte_that_ends_it() {
+    let line = |text: &str| format!("{text}*{:02X}\r\n", text.bytes().fold(0, |all, byte| all ^ byte));
+    let lit: String = ["format 2", "lit 1 1 1", "end 2"].map(line).concat();
+    for (signal, name, code) in SIGNALS {
+        for answers in [true, false] {
+            let board = TcpListener::bind("127.0.0.1:0").unwrap();
+            let link = format!("tcp:{}", board.local_addr().unwrap());
+            let mut child = Command::new("env")
+                .arg("--default-signal=HUP")
+                .arg(cargo_bin("beamtick"))
+                .args(["bring-up", "--link", &link, "--hands", "clock"])
+                .stdin(Stdio::piped())
+                .stdout(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn()
+                .unwrap();
+            let mut hand = child.stdin.take().unwrap();
+            hand.write_all(b"\n").unwrap();
+            let (mut first, _) = board.accept().unwrap();
+            let mut order = [0; 4];
+            first.read_exact(&mut order).unwrap();
+            assert_eq!(&order, b"lit\n");
+            let ends = std::thread::spawn(move || {
+                let (mut second, _) = board.accept().unwrap();
+                let mut byte = [0];
+                second.read_exact(&mut byte).unwrap();
+                second.write_all(b"# a byte has ended the light\r\n").unwrap();
+                // Until the program has gone.
+                let _ = second.read_to_end(&mut Vec::new());
+                byte
+            });
+            let mut said = String::new();
+            if answers {
+                first.write_all(lit.as_bytes()).unwrap();
+                let mut errors = BufReader::new(child.stderr.as_mut().unwrap());
+                while !said.contains("Hold the ST-LINK in reset") {
+                    assert!(errors.read_line(&mut said).unwrap() > 0, "{said}");
+                }
+            }
+            let (errors, ended) = signalled(child, signal);
+            assert_eq!(ended, code, "{name}, {answers}: {said}{errors}");
+            assert!(errors.contains("bring-up was cut short"), "{name}, {answers}: {errors}");
+            assert!(errors.contains("The board says that the light has ended"), "{name}, {answers}: {errors}");
+            assert_eq!(ends.join().unwrap(), *b"\n");
+        }
+    }
+}

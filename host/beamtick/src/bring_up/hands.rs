@@ -5,14 +5,18 @@
 //! failed.
 use super::lines::Figures;
 use super::options::ByHand;
-use super::{measure, own_image, page};
+use super::{measure, own_image, page, uncut};
 use crate::Failure;
+use crate::interrupt::Held;
 use client::Link;
 use protocol::command::{GetClock, GetFault, SetDac, Short};
 use std::io::BufRead;
 use std::path::Path;
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
+/// So often a prompt looks whether a signal has come.
+const LOOKS_FOR_SIGNALS: Duration = Duration::from_millis(50);
 /// More than any analog output gives.
 const VOLTS_MAX: f64 = 100.0;
 
@@ -61,11 +65,26 @@ impl Hands for Terminal<'_> {
 
     fn ask(&mut self, what: &str) -> Result<String, Failure> {
         complain!("{what}");
-        let mut line = String::new();
-        match std::io::stdin().lock().read_line(&mut line) {
-            Ok(0) => Err(Failure::Input("--hands: the standard input has ended".to_owned())),
-            Ok(_) => Ok(line.trim().to_owned()),
-            Err(error) => Err(Failure::Input(format!("--hands: the standard input cannot be read: {error}"))),
+        let (sender, receiver) = std::sync::mpsc::channel();
+        std::thread::spawn(move || {
+            let mut line = String::new();
+            let read = std::io::stdin().lock().read_line(&mut line);
+            // Nobody waits for it any more once a signal has come.
+            let _ = sender.send(read.map(|count| (count, line)));
+        });
+        loop {
+            uncut()?;
+            match receiver.recv_timeout(LOOKS_FOR_SIGNALS) {
+                Ok(Ok((0, _))) => return Err(Failure::Input("--hands: the standard input has ended".to_owned())),
+                Ok(Ok((_, line))) => return Ok(line.trim().to_owned()),
+                Ok(Err(error)) => {
+                    return Err(Failure::Input(format!("--hands: the standard input cannot be read: {error}")));
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(Failure::Input("--hands: the standard input has ended".to_owned()));
+                }
+            }
         }
     }
 
@@ -76,6 +95,8 @@ impl Hands for Terminal<'_> {
 
 /// See the module text.
 pub fn with(hands: &mut dyn Hands, what: ByHand, page: Option<&Path>) -> Result<(), Failure> {
+    // A signal ends it through `uncut`, so that no light and no voltage is left.
+    let _held = Held::new();
     page::settle(page, || match what {
         ByHand::Halt => halt(
             hands,
@@ -137,6 +158,7 @@ fn time_out(hands: &mut dyn Hands) -> Result<i64, Failure> {
     let began = hands.now_ms();
     let mut out = 0;
     loop {
+        uncut()?;
         hands.pause(LOOKS_MS);
         let now = hands.now_ms();
         if !hands.is_out() {
@@ -214,11 +236,16 @@ const DARK: &[u8] = b"# a byte has ended the light";
 /// The board says so in this time, if it does.
 const ANSWERS_NS: u64 = 500_000_000;
 
-/// Sends a byte, which ends the light: whether the board says that it has.
+/// Sends bytes, the first of which ends the light: whether the board says that it has. One that
+/// comes in the dark after the order counts for nothing, so more follow.
 fn is_dark(link: &mut dyn Link) -> bool {
     let (began, mut said, mut bytes) = (link.now(), Vec::new(), [0; 64]);
-    let mut sent = link.send(b"\n");
+    let mut sent = Ok(());
     while sent.is_ok() && link.now() - began < ANSWERS_NS {
+        sent = link.send(b"\n");
+        if sent.is_err() {
+            break;
+        }
         sent = link.receive(&mut bytes, Duration::from_millis(20)).map(|count| {
             said.extend_from_slice(&bytes[..count]);
         });

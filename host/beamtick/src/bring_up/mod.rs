@@ -119,6 +119,11 @@ pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure>
     page::failure(failed)
 }
 
+/// Fails once a signal has come.
+fn uncut() -> Result<(), Failure> {
+    interrupt::came().map_or(Ok(()), |signal| Err(Failure::Interrupted(signal, CUT.into())))
+}
+
 /// Orders a run and reads its lines.
 fn measure(link: &mut dyn Link, order: &[u8]) -> Result<Figures, Failure> {
     let mut reader = Reader::default();
@@ -126,9 +131,7 @@ fn measure(link: &mut dyn Link, order: &[u8]) -> Result<Figures, Failure> {
     let (mut ordered, mut heard, mut is_filled) = (None::<u64>, began, false);
     let mut bytes = [0; 512];
     loop {
-        if let Some(signal) = interrupt::came() {
-            return Err(Failure::Interrupted(signal, CUT.into()));
-        }
+        uncut()?;
         let now = link.now();
         if !is_filled && reader.has_line(LISTENS) {
             link.send(&FILLING)?;

@@ -51,10 +51,10 @@ pub struct BringUp {
     #[arg(long, value_name = "TIME", requires = "loads", value_parser = soak_parser)]
     pub soak: Option<u32>,
     /// The board, which runs its own image: does it answer over this link? Nothing moves.
-    #[arg(long, value_name = "BOARD", conflicts_with_all = ["loads", "hands"])]
+    #[arg(long, value_name = "BOARD", conflicts_with_all = ["loads", "hands", "soak"])]
     pub answers: Option<AnsweringBoard>,
     /// Says what a hand has to do, waits for Enter, and judges; docs/bring-up.md names the image.
-    #[arg(long, value_name = "WHAT", conflicts_with = "loads")]
+    #[arg(long, value_name = "WHAT", conflicts_with_all = ["loads", "soak"])]
     pub hands: Option<ByHand>,
     /// Writes the page to this file instead of the standard output.
     #[arg(long, value_name = "FILE.md")]

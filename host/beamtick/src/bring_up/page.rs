@@ -59,11 +59,20 @@ fn before(name: &Path) -> Result<String, Failure> {
     }
     let shown = name.display();
     let bytes = std::fs::read(name).map_err(|e| Failure::Input(format!("--page {shown}: cannot be read: {e}")))?;
-    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let text = as_written(&String::from_utf8_lossy(&bytes));
     if !text.is_empty() && !text.contains(BY) {
         return Err(Failure::Input(format!("--page {shown}: that file is no page of bring-up; choose another name")));
     }
     Ok(text)
+}
+
+/// As this program writes it: an editor may have changed the ends of lines, or padded cells.
+fn as_written(text: &str) -> String {
+    let cells = |line: &str| match line.trim_end().strip_prefix('|').and_then(|line| line.strip_suffix('|')) {
+        Some(cells) => format!("| {} |", cells.split('|').map(str::trim).collect::<Vec<_>>().join(" | ")),
+        None => line.trim_end().to_owned(),
+    };
+    text.lines().map(|line| cells(line) + "\n").collect()
 }
 
 /// A line that says of what, by which program, and when.

@@ -10,7 +10,7 @@ use client::Client;
 use protocol::command::{
     AlarmOff, AxisOn, BufLaserFollowRatio, BufLaserOn, ClrLaserFault, ClrSts, CrdClear, CrdStart, LaserOutFrq,
     LaserPrfCmd, LmtsOff, LnXY, PrfPvt, PvtPoint, PvtStart, PvtTable, PvtTableSelect, Reset, SetAxisMode, SetCrdPrm,
-    SetHSIOOpt, SetPvtLoop, SetStopDec,
+    SetHSIOOpt, SetLinkLoss, SetPvtLoop, SetStopDec,
 };
 use std::ops::Range;
 
@@ -18,6 +18,8 @@ use std::ops::Range;
 const AXES: i16 = 8;
 /// The axis connector and the channel of each laser.
 const LASERS: [(i16, i16); 2] = [(7, 0), (8, 1)];
+/// After so much silence all stops.
+const LINK_LOSS_MS: i32 = 500;
 /// What has begun goes on after this time.
 const BEGINS_MS: u32 = 5;
 
@@ -64,6 +66,9 @@ impl Load {
 pub fn begin(client: &Client, load: &Load, check: Check<'_>) -> Result<u32, Failure> {
     let core = 1.into();
     client.call(Reset { core })?;
+    // A program that is killed, or a cable that is pulled, ends motion in PVT, too. A Reset puts
+    // this back.
+    client.call(SetLinkLoss { time_ms: LINK_LOSS_MS.into(), stop_all: 1.into() })?;
     for axis in 1..=AXES {
         enable(client, axis)?;
     }
@@ -78,7 +83,7 @@ pub fn begin(client: &Client, load: &Load, check: Check<'_>) -> Result<u32, Fail
         run_axes(client, load.axes.clone())?;
     }
     if load.paths {
-        fill_paths(client)?;
+        fill_paths(client, check)?;
     }
     wait(client, BEGINS_MS, check)?;
     let before = ticks::overruns(client)?;
@@ -116,7 +121,7 @@ fn enable(client: &Client, axis: i16) -> Result<(), Failure> {
 
 /// Both coordinate systems get lines of 2 ms, at 400 to 500 pulse/ms, and so of 0.7 s. The duty of
 /// each laser changes in every tick.
-fn fill_paths(client: &Client) -> Result<(), Failure> {
+fn fill_paths(client: &Client, check: Check<'_>) -> Result<(), Failure> {
     const LINES: i32 = 350;
     let (core, fifo) = (1.into(), 0.into());
     for (crd, channel, axes) in [(1i16, 0i16, 0), (2, 1, 2)] {
@@ -139,6 +144,7 @@ fn fill_paths(client: &Client) -> Result<(), Failure> {
         client.call(BufLaserFollowRatio { core, crd, ratio, min, max, fifo, channel })?;
         client.call(BufLaserOn { core, crd, fifo, channel })?;
         for line in 1..=LINES {
+            check()?;
             let vel_end = if line == LINES { 0.0 } else { 500.0 - 100.0 * f64::from((line + 1) % 2) }.into();
             let (x, y) = ((720 * line).into(), (540 * line).into());
             client.call(LnXY { core, crd, x, y, syn_vel: 500.0.into(), syn_acc: 50.0.into(), vel_end, fifo })?;

@@ -96,7 +96,11 @@ pub fn kept(name: Option<&Path>, before: &str, page: String) -> Result<String, F
     let mut text = page.clone();
     for row in elsewhere() {
         let of = |page: &str| page.lines().find(|line| line.starts_with(&head(row))).map(str::to_owned);
-        let (Some(old), Some(new)) = (of(before), of(&text)) else { continue };
+        let Some(new) = of(&text) else { continue };
+        let Some(old) = of(before).filter(|line| line.ends_with(" |")) else {
+            say!("{}: the page before has no whole row of it, so nothing is taken over", row.what);
+            continue;
+        };
         let rest = old.strip_prefix(&head(row)).unwrap_or_default();
         if rest.starts_with("not measured ") {
             continue;
