@@ -327,7 +327,7 @@ fn lazy(figures: &Figures) -> Verdict {
     let Some([plain, floating]) = figures.only("entry") else { return Verdict::missing("entry") };
     let more = floating - plain;
     // Eager stacking writes 17 words more.
-    let holds = fpccr >> 30 & 3 == 3 && more < 8;
+    let holds = fpccr >> 30 & 3 == 3 && (-7..8).contains(&more);
     Verdict::of(holds, format!("FPCCR {fpccr:#010x}, an exception takes {more} cycles more with floating point"))
 }
 
