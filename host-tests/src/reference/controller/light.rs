@@ -133,6 +133,10 @@ impl Controller {
                     // That is known a tick later.
                     self.open = Some("a map at the instant at which light of a path is withdrawn");
                 }
+                if self.axes.iter().any(|axis| axis.is_alarmed() && axis.light_crd().is_some()) {
+                    // It is dark from the tick on from which the map holds, or from the next one on.
+                    self.open = Some("a map of a path that has an alarm");
+                }
                 check(!self.path_runs(both) && !after.owner.is_of_path(both))?;
                 self.axes.iter_mut().for_each(|axis| axis.alarms = None);
                 Setting::Map(map as u8)

@@ -291,8 +291,7 @@ impl Controller {
     }
 
     fn begin(&mut self, name: Name, fifo: usize, is_arc: bool) -> [f64; 4] {
-        let of = &self.crds[&name];
-        let begin = of.begin(fifo);
+        let (of, begin) = (&self.crds[&name], self.crds[&name].begin(fifo));
         let left = |axis: &usize| {
             let axis = &self.axes[*axis];
             axis.mode != Mode::Crd || axis.crd != Some(name) || is_arc && axis.stopped
@@ -304,6 +303,8 @@ impl Controller {
         if is_arc && (self.unsettled != 0 || goes_on) && !of.fifos[fifo].ends_anew() {
             // An arc needs to know where it begins, motions may be left or not: docs/crd.md.
             self.open = Some("an arc that begins a path after a Stop or directly after a WaitStop");
+        } else if is_arc && of.started_here && !of.fifos[fifo].ends_anew() {
+            self.open = Some("an arc that comes first after a start of its instant");
         }
         let ended = (of.hidden || of.why == Some(Why::Interlock)) && of.fifos[fifo].begins().is_none();
         if is_arc && (ended || of.fifos[fifo].lost) {

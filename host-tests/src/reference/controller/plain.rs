@@ -1,7 +1,7 @@
 //! Calls of every axis: names, modes, settings, Trap and Jog, Stop.
 use std::collections::BTreeMap;
 
-use super::super::axis::{Mode, Rates, Why};
+use super::super::axis::{Mode, Motion, Rates, Why};
 use super::super::call::{Call, Kind, members};
 use super::super::light::{Act, SERVO_OFF};
 use super::super::number::Fix;
@@ -138,6 +138,11 @@ impl Controller {
             }
             Call::SetStopDec { axis, smooth } => {
                 range(smooth > 0.0)?;
+                let is_slave = matches!(self.axes[axis].motion, Some(Motion::Slave(_)));
+                if is_slave && matches!(self.then[axis], Some(Then::Brake(..))) {
+                    // A slave leaves its master at the end of the tick (docs/follow.md).
+                    self.open = Some("SetStopDec at the instant of a Stop of a slave");
+                }
                 self.axes[axis].stop_dec = smooth;
             }
             Call::SetSoftLimit { axis, positive, negative } => self.axes[axis].soft = (positive, negative),
