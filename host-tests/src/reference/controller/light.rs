@@ -134,7 +134,7 @@ impl Controller {
                     self.open = Some("a map at the instant at which light of a path is withdrawn");
                 }
                 if self.axes.iter().any(|axis| axis.is_alarmed() && axis.light_crd().is_some()) {
-                    // It is dark from the tick on from which the map holds, or from the next one on.
+                    // It is dark from the tick on from which the map holds, or a tick later.
                     self.open = Some("a map of a path that has an alarm");
                 }
                 check(!self.path_runs(both) && !after.owner.is_of_path(both))?;

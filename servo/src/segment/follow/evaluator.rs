@@ -368,7 +368,7 @@ impl FollowRun {
         let first = path.sections().next().unwrap_or(Section::still(path.now, to));
         let mut end = self.open(path.now, &first, to, context);
         for section in path.sections() {
-            end = end.or_else(|| self.go(section, context, track.as_deref_mut()));
+            end = end.or_else(|| self.go(&section, context, track.as_deref_mut()));
         }
         end.or_else(|| self.close(path.now, to, named, context)).unwrap_or(FollowState::Running)
     }
@@ -409,7 +409,7 @@ impl FollowRun {
     #[inline(never)]
     pub(super) fn go<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        section: Section,
+        section: &Section,
         context: &mut FollowContext<S, L>,
         track: Option<&mut PositionTrack>,
     ) -> Option<FollowState> {
@@ -420,7 +420,7 @@ impl FollowRun {
             // known.
             let piece = if self.down == down { piece } else { self.piece };
             if self.progress != progress {
-                record((&piece, progress), (&self.piece, self.progress), down, &section, track);
+                record((&piece, progress), (&self.piece, self.progress), down, section, track);
             }
             track.push(section.to.after, self.position().0);
         }

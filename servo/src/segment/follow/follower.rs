@@ -158,7 +158,7 @@ impl Follower {
         let section = Section { now, from, line: from, to, piece: along, shift };
         self.run
             .open(now, &section, to, context)
-            .or_else(|| self.run.go(section, context, track))
+            .or_else(|| self.run.go(&section, context, track))
             .or_else(|| self.run.close(now, to, master_sample.named, context))
             .unwrap_or(FollowState::Running)
     }

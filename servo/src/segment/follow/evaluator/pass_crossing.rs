@@ -52,9 +52,10 @@ impl FollowRun {
     /// The master moves along a section.
     pub(super) fn advance<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
-        mut section: Section,
+        section: &Section,
         context: &mut FollowContext<S, L>,
     ) -> Option<FollowState> {
+        let mut section = *section;
         match self.wait {
             Wait::Pass { up, at } => {
                 let (from, to) = (section.from.pos, section.to.pos);
