@@ -95,8 +95,6 @@ impl Hands for Terminal<'_> {
 
 /// See the module text.
 pub fn with(hands: &mut dyn Hands, what: ByHand, page: Option<&Path>) -> Result<(), Failure> {
-    // A signal ends it through `uncut`, so that no light and no voltage is left.
-    let _held = Held::new();
     page::settle(page, || match what {
         ByHand::Halt => halt(
             hands,
@@ -211,6 +209,8 @@ fn clock(hands: &mut dyn Hands) -> Result<Figures, Failure> {
         "The board must have its supply at VIN (JP2) already, with jumper 6 alone. Find the contact that holds the ST-LINK itself in \
          reset (docs/bring-up.md); Ctrl-C if there is none. Enter makes both laser outputs active.",
     )?;
+    // From here on a signal ends it through `uncut`, so that no light is left.
+    let _held = Held::new();
     found_by_guard(hands).map_err(|failure| {
         failure.with(match hands.link().is_ok_and(|mut link| is_dark(&mut *link)) {
             true => ". The board says that the light has ended",
@@ -262,6 +262,8 @@ fn dac(hands: &mut dyn Hands) -> Result<Figures, Failure> {
     if !client.board().contains("dac8563") {
         return Err(Failure::Job(format!("board {} has no external DAC", client.board())));
     }
+    // From here on a signal ends it through `uncut`, so that no voltage is left.
+    let _held = Held::new();
     let set = |output: i16, volts: i64| {
         let code = Short { value: ((volts * 32_767 / 10) as i16).into() };
         client.call_items(SetDac { core: 1.into(), dac: output.into(), count: 1.into() }, &[code])
