@@ -22,6 +22,8 @@ pub enum Wrong {
     BreakByEdge,
     /// The break input of this timer has no connection with its pin.
     Unconnected(u8),
+    /// The break input of this timer is high whatever its pin is.
+    StuckBreak(u8),
     /// Lines of this timer have other levels while they are idle.
     OtherRest(u8),
     /// AF1 of this timer cannot be written.
@@ -129,6 +131,8 @@ pub struct Quirks {
     pub no_af1: bool,
     /// [`Wrong::Unconnected`].
     pub unconnected: bool,
+    /// [`Wrong::StuckBreak`].
+    pub stuck: bool,
     /// [`Wrong::OtherRest`].
     pub other_rest: bool,
     /// [`Wrong::ShortRepeat`].
@@ -169,6 +173,7 @@ impl Machine {
             Wrong::BreakPolarity(number) => bus.timers_named(number).for_each(|timer| timer.is_odd = true),
             Wrong::BreakByEdge => bus.timers.iter_mut().for_each(|timer| timer.quirks.by_edge = true),
             Wrong::Unconnected(number) => bus.timers_named(number).for_each(|timer| timer.quirks.unconnected = true),
+            Wrong::StuckBreak(number) => bus.timers_named(number).for_each(|timer| timer.quirks.stuck = true),
             Wrong::OtherRest(number) => bus.timers_named(number).for_each(|timer| timer.quirks.other_rest = true),
             Wrong::NoAf1(number) => bus.timers_named(number).for_each(|timer| timer.quirks.no_af1 = true),
             Wrong::ShortRepeat => bus.timers_named(8).for_each(|timer| timer.quirks.short_repeat = true),

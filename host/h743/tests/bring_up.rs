@@ -344,6 +344,7 @@ fn a_wrong_fact_that_registers_tell_fails_in_its_row() {
         (Wrong::BreakPolarity(15), &[BREAKS, LEVEL], "TIM15: pin 1, flag 0; TIM15: pin 0, flag 1"),
         (Wrong::BreakPolarity(8), &[BREAKS, LEVEL], "TIM8: pin 1, flag 0; TIM8: pin 0, flag 1"),
         (Wrong::BreakByEdge, &[LEVEL], "TIM1: pin 1, MOE 1; TIM15: pin 1, MOE 1; TIM8: pin 1, MOE 1"),
+        (Wrong::StuckBreak(15), &[BREAKS, LEVEL], "TIM15: pin 0, flag 1"),
         (Wrong::OtherRest(1), &["laser lines at rest"], "energy + of laser 0 is low; energy − of laser 0 is high"),
         (Wrong::NoIdleLevels(8), &["break register read back"], "TIM1 0x3c00, TIM15 0x3c00, TIM8 0x3800"),
         (Wrong::LowSupply, &["the supply"], "PVDE 1, PLS 5, below 2.7 V"),

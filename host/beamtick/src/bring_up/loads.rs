@@ -17,7 +17,7 @@ use super::{own_image, page};
 use crate::Failure;
 use crate::interrupt::{self, Held};
 use client::{Client, Link, LinkCounters, error};
-use protocol::command::{Abort, GetClock, Reset, SetTick};
+use protocol::command::{Abort, GetClock, GetStack, Reset, SetTick, StackReply};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
@@ -41,6 +41,9 @@ const REFUSED: &str = "measures no ticks, so it is no reference board with its o
     Flash that image (`cargo flash-board`) onto a board that is connected to nothing but jumpers";
 /// The page's section.
 const HEADING: &str = "## Ticks under load";
+/// The row of the stack, and how much of it must be left.
+const STACK: &str = "stack of this image, after all loads";
+const STACK_RESERVE_BYTES: u32 = 1024;
 /// What to do about a row that failed.
 const REMEDY: &str = "A load that overran: compare the rows \"caches and wait states\" and \"cycles of the core in a count of the \
 timers\".\nIf both pass, the core takes more cycles than instructions (assumption 21): give that load a longer tick \
@@ -75,7 +78,7 @@ pub fn over(mut link: Box<dyn Link>, soak_s: Option<u32>, page: Option<&Path>) -
     match failed {
         0 => Ok(()),
         failed => Err(Failure::Job(format!(
-            "{}: ticks took longer than their period, or the link lost some",
+            "{}: ticks took longer than their period, the stack ran low, or the link lost some",
             page::rows_failed(failed)
         ))),
     }
@@ -100,8 +103,18 @@ fn section(client: &Client, all: &Measured) -> (String, usize) {
             let _ = writeln!(text, "| {}, tick of {us} us | 21 | {} | {figure} |", load.name, fit.text());
         }
     }
+    let late = failed;
+    if let Some((size, unused)) = all.stack {
+        let fits = unused >= STACK_RESERVE_BYTES;
+        failed += usize::from(!fits);
+        let result = if fits { Fit::Pass } else { Fit::Fail }.text();
+        let _ = writeln!(text, "| {STACK} | – | {result} | {} bytes of {size} |", size - unused.min(size));
+    }
     text = format!("{text}\n{}\n", fitting(all));
-    if failed > 0 {
+    if failed > late {
+        let _ = writeln!(text, "\n{STACK}: enlarge STACK in memory.x.");
+    }
+    if late > 0 {
         text = text + "\n" + REMEDY + "\n";
     }
     (text, failed)
@@ -131,6 +144,8 @@ pub type Check<'a> = &'a dyn Fn() -> Result<(), Failure>;
 struct Measured {
     /// Of each tick, each load.
     ticks: Vec<Vec<Outcome>>,
+    /// Bytes of the stack, and those that were never used since the start.
+    stack: Option<(u32, u32)>,
     soak: Option<Soak>,
 }
 
@@ -154,10 +169,12 @@ fn under_loads(client: &Client, soak_s: Option<u32>, check: Check<'_>) -> Result
         let outcomes = LOADS.iter().zip(&mut known).map(|(load, known)| outcome(client, load, us, known, check));
         all.push(outcomes.collect::<Result<Vec<_>, _>>()?);
     }
+    let StackReply { size, unused, measured } = client.call(GetStack {})?;
+    let stack = (measured != 0).then(|| (size.get(), unused.get()));
     // The link is kept busy at the tick that the board came with.
     set_tick(client, period_ns / 1000)?;
     let soak = soak_s.map(|seconds| soak(client, seconds, check)).transpose()?;
-    Ok(Measured { ticks: all, soak })
+    Ok(Measured { ticks: all, stack, soak })
 }
 
 /// What becomes of a load at a tick. It is not run where it would leave the link no time.
@@ -369,7 +386,7 @@ mod tests {
             let outcome = then_restored(&client, 250_000, || {
                 begin(&client, &BUSIEST, &|| Ok(()))?;
                 wait(&client, 1000, &check)?;
-                Ok(Measured { ticks: Vec::new(), soak: None })
+                Ok(Measured { ticks: Vec::new(), stack: None, soak: None })
             });
             assert!(matches!(&outcome, Err(Failure::Job(text)) if text == "it ends here"), "{end}: {outcome:?}");
             let (lasers, axes) = seen.into_inner();
@@ -452,9 +469,9 @@ mod tests {
             Ok(())
         };
         let outcome = then_restored(&client, 250_000, || {
-            Ok(Measured { ticks: vec![Vec::new()], soak: Some(soak(&client, 60, &check)?) })
+            Ok(Measured { ticks: vec![Vec::new()], stack: None, soak: Some(soak(&client, 60, &check)?) })
         });
-        let Ok(Measured { ticks, soak: Some(soak) }) = outcome else { panic!("{outcome:?}") };
+        let Ok(Measured { ticks, soak: Some(soak), .. }) = outcome else { panic!("{outcome:?}") };
         assert_eq!(ticks.len(), 1);
         assert!(soak.ended < 0 && soak.calls > 100 && soak.seconds < 60, "{soak:?}");
         let mut figures = Figures::default();
@@ -475,7 +492,7 @@ mod tests {
         };
         let of = |worst_ns| {
             let ticks = TICKS_US.map(|us| vec![ran(us, 9_000), ran(us, worst_ns)]).to_vec();
-            fitting(&Measured { ticks, soak: None })
+            fitting(&Measured { ticks, stack: None, soak: None })
         };
         assert_eq!(
             [9_000, 30_000, 300_000].map(of),

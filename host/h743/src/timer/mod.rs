@@ -300,7 +300,7 @@ impl Timer {
 
     /// The break input's pin has this level.
     pub fn break_input(&mut self, high: bool, out: &mut Vec<Signal>, at: Time) {
-        let high = high && !self.quirks.unconnected;
+        let high = (high || self.quirks.stuck) && !self.quirks.unconnected;
         if self.quirks.break_delay == 0 {
             self.brake.input = high;
         } else if self.breaks.1 != high {

@@ -48,7 +48,10 @@ fn ticks_of_the_boards_own_image_are_measured_under_loads() {
     assert!(outcome.is_ok(), "{outcome:?}\n{page}");
     println!("{page}");
     let rows = rows(page.split("## Ticks under load").nth(1).unwrap());
-    assert_eq!(rows.len(), 28);
+    // And the stack.
+    assert_eq!(rows.len(), 28 + 1);
+    let (result, used) = rows["stack of this image, after all loads"];
+    assert!(result == "pass" && used.ends_with(" bytes of 16352"), "{used}");
     // Here an instruction is a cycle: what docs/numbers.md says of the whole interrupt.
     let result = |load: &str, us: u32| rows[format!("{load}, tick of {us} us").as_str()].0;
     for load in ["eight axes at standstill", "two lasers at 10 kHz", "two lasers at 2 MHz", "eight axes in PVT"] {
