@@ -92,8 +92,8 @@ pub fn bring_up(link: Option<&str>, flashes: bool) -> Outcome {
         flash_this(&elf)?;
     }
     let Some(link) = link else {
-        let next = "then: `cargo bring-up serial:/dev/ttyACM0:3000000` (the ST-LINK's port)";
-        println!("{}{next}", if has_probe { "" } else { "copy the HEX onto the board's drive, press B2, " });
+        let next = "then unplug CN1, put the jumpers in, plug it in: `cargo bring-up serial:/dev/ttyACM0:3000000 --no-flash` (the ST-LINK's port)";
+        println!("{}{next}", if has_probe { "" } else { "copy the HEX onto the board's drive, press B2; " });
         return Ok(());
     };
     measure(link, &[])

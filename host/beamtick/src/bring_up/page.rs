@@ -158,7 +158,7 @@ impl Report {
 /// The section of advice.
 const ADVICE: &str = "## What to change";
 /// Stands before the advice.
-const NO_LASER: &str = "**Connect no laser to this board while a row fails.** Press B2 and measure a second time. If it fails again, do \
+const NO_LASER: &str = "**Connect no laser to this board while a row fails.** Unplug CN1, plug it in again, and measure a second time. If it fails again, do \
     what the row says, or send this page to the project.";
 
 /// A row of the table.

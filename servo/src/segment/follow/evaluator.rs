@@ -21,7 +21,7 @@ mod switch;
 use super::curve::{EXACT_TO_POS_BITS, slope};
 use super::entry::{Input, QueueEntry};
 use super::gear::Gear;
-use super::master_path::{MasterPath, PositionTrack, Section, TimedPosition};
+use super::master_path::{MasterPath, PositionTrack, REMAINDER_DOWN, Section, TimedPosition};
 use super::setup::Setup;
 use super::slave_track::record;
 use super::{Direction, FollowEntries, Method};
@@ -33,10 +33,6 @@ pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
 const DELAY_CYCLE: FineNs = (CYCLE_NS as FineNs) << 32;
 const FINE_NS_PER_MS: FineNs = 1_000_000 << 32;
-/// From 2⁻⁶⁴ pulse to the unit of [`FollowRun::remainder`].
-const REMAINDER_DOWN: u32 = 11;
-/// That unit in 2⁻⁶⁴ pulse.
-pub(super) const REMAINDER: i128 = 1 << REMAINDER_DOWN;
 /// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
 const SETTLE_STEPS: usize = 3 * ACTIONS;
 

@@ -6,7 +6,6 @@
 //! the path between the first and the last of them is a straight line; so is the path of a slave
 //! with slaves of its own between its positions.
 use super::curve::{bend, slope};
-use super::evaluator::REMAINDER;
 use crate::math::wide::umulhi;
 use crate::segment::piece::Piece;
 use crate::units::{Exact, Ns, Pos};
@@ -14,6 +13,10 @@ use crate::units::{Exact, Ns, Pos};
 /// Positions of a path at most: begin and end, two turning points in either of two pieces, both
 /// ends of the interval between these.
 pub const POSITIONS_MAX: usize = 8;
+/// From 2⁻⁶⁴ pulse to 2⁻⁵³, in which a slave keeps where a delay ended.
+pub(super) const REMAINDER_DOWN: u32 = 11;
+/// That unit in 2⁻⁶⁴ pulse.
+const REMAINDER: i128 = 1 << REMAINDER_DOWN;
 /// A position at an instant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TimedPosition {
@@ -261,7 +264,7 @@ impl Section<'_> {
             let left = pos.0.wrapping_sub(self.at(after).0);
             if up { left } else { left.wrapping_neg() }
         };
-        // What lies less than [`FollowRun::remainder`] tells after the beginning is there.
+        // What lies less than that unit after the beginning is there.
         if self.to.pos == self.from.pos || left(begin) < REMAINDER {
             return begin;
         }
