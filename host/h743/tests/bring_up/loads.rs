@@ -110,7 +110,8 @@ fn a_tick_longer_than_its_period_is_shown_and_a_load_that_does_not_fit_is_not_ru
             }
         }
     };
-    let link = Meddling { link: EmulatedLink::new(board.clone()), board: board.clone(), meddle, steps: 0 };
+    let link =
+        Meddling { link: EmulatedLink::new(board.clone()), board: board.clone(), meddle, steps: 0, heard: Vec::new() };
     let folder = tempfile::tempdir().unwrap();
     let page = folder.path().join("page.md");
     let outcome = bring_up_over(Box::new(link), &["--loads", "--page", page.to_str().unwrap()]);
