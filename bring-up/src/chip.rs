@@ -1,4 +1,4 @@
-//! What registers alone tell: as the reset left them, and as start-up has set them.
+//! What registers alone show: as the reset left them, and as start-up has set them.
 //!
 //! In: registers. Out: lines. Owns the registers of the timers before start-up does, and leaves
 //! them as a reset would.

@@ -8,7 +8,7 @@
 //! ([`before`]), at the second it locks the core up ([`lock_up`]), and it measures at the third.
 //! The host sends one each 0.5 s. It resets the chip after each run, so each begins like a
 //! power-on. Fails: a chip that the board's start-up refuses lights LD3 and reports nothing. On
-//! another package it drives the link's line alone, and reports what registers tell.
+//! another package it drives the link's line alone, and reports what registers show.
 //!
 //! It has no servo tick, no client and no light of its own will. Outputs move while it measures:
 //! no drive and no laser may be connected.
@@ -146,7 +146,7 @@ fn main() -> ! {
     SCB::sys_reset()
 }
 
-/// What edges and voltages at the ends of jumpers tell.
+/// What edges and voltages at the ends of jumpers show.
 fn measure(report: &mut Report, machine: Machine, timer: TickTimer, rx: &mut Rx) {
     let has_driver = wires::report_to(report);
     for open in [true, false] {

@@ -420,7 +420,7 @@ fn joins(body: Vec<u8>) -> (u16, Lane, Vec<u8>) {
     (PathMany::OPCODE, Lane::Program, body)
 }
 
-/// A session that ends in the middle leaves nothing behind for the next one.
+/// A session that ends in the middle leaves nothing for the next one.
 #[test]
 fn a_new_session_begins_anew() {
     let mut bench = laser_path::bench(GUS);

@@ -354,7 +354,7 @@ impl Game<'_> {
         self.bench.ticks(64);
     }
 
-    /// A number that the controller tells.
+    /// A number that the controller reports.
     fn ask(&mut self, number: u16, body: &[u8]) -> usize {
         let before = self.bench.answers[0];
         self.bench.send(number, Lane::Immediate, body.to_vec(), None);

@@ -1,6 +1,6 @@
 //! What must have been executed, and what was: the model of [`crate::machine`].
 //!
-//! In: numbers of requests and what became of them; what the controller tells of its FIFOs; what
+//! In: numbers of requests and what became of them; what the controller reports of its FIFOs; what
 //! its path does. Fails: by a panic where a request is lost, doubled or out of order.
 //!
 //! Entries of the path have their numbers in what they do. Even ones are marks: analog output 8

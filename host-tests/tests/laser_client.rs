@@ -170,7 +170,7 @@ impl Rig {
         }
     }
 
-    /// Compares; tells how many edges there were.
+    /// Compares; returns how many edges there were.
     fn check(&self, name: &str, job: &Job, channel: i16, horizon: Ns) -> usize {
         let Edges { energy, switch, volts } = self.run(job, channel, horizon);
         let Outcome { energy: e, switch: s, analog, .. } = outcome(self.family, job, horizon);

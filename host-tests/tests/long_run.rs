@@ -23,7 +23,7 @@ struct Seen {
     pos: [i64; 8],
     on_time: [u32; 2],
     fault: [servo::laser::Cause; 2],
-    /// Bytes that the process has of memory, if the system tells.
+    /// Bytes that the process has of memory, if the system reports it.
     memory: Option<u64>,
 }
 

@@ -202,7 +202,7 @@ fn vcd_refuses_what_its_scale_cannot_show() {
     assert!(error.to_string().contains("axis5"), "{error}");
 }
 
-/// Two rows of one axis as stream bytes, with an end that tells `rows` and `lost`.
+/// Two rows of one axis as stream bytes, with an end that reports `rows` and `lost`.
 fn stream(rows: &[u32], sent: u32, lost: u32) -> Vec<u8> {
     use protocol::trace::{AxisId, Encoder, Ids, Sample, Samples, TraceHead};
     let mut encoder = Encoder::new();

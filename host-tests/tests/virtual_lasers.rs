@@ -1,4 +1,4 @@
-//! Lasers of the virtual controller: what its outputs do, what the trace tells of it, and the
+//! Lasers of the virtual controller: what its outputs do, what the trace shows of it, and the
 //! interlock.
 use client::{Call, Client, Options, Quiet};
 use plant::beam::{ChannelLevels, SignalChange};

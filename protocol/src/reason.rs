@@ -249,7 +249,7 @@ impl Refusal {
 }
 
 /// Why an axis or a coordinate system came to standstill: the cause, and how a summary says it. The
-/// place is the number that events and statuses carry.
+/// index is the number that events and statuses carry.
 const STOP_REASONS: [(&str, &str); 20] = [
     ("it has not moved", "never moved"),
     ("it has ended", "motion completed"),

@@ -4,7 +4,7 @@
 //! Cannot fail: numbers wrap, and old ones are renewed long before they would look new.
 use servo::view::View;
 
-/// Set in the numbers of the program lane, so that a number tells its lane.
+/// Set in the numbers of the program lane, so that a number shows its lane.
 pub const PROGRAM_FLAG: u32 = 1 << 31;
 
 /// The number after `seq` in its lane.

@@ -83,7 +83,7 @@ pub struct Outputs {
 /// What one channel did.
 pub struct Recorded {
     pub outputs: Outputs,
-    /// The same, as the boards' output stage tells of it.
+    /// The same, as the boards' output stage reports it.
     pub stage: Outputs,
     /// The view at some of the ticks.
     pub views: Vec<(Ns, LaserView)>,

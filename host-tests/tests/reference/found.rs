@@ -323,7 +323,7 @@ fn light_after_a_map_after_a_stop_at_standstill() {
     }
 }
 
-/// An Abort and a Stop of one instant: a slave that had not braked yet told the Stop.
+/// An Abort and a Stop of one instant: a slave that had not braked yet reported the Stop.
 #[test]
 fn a_slave_that_two_stops_meet() {
     let stop = Call::Stop { mask: 3, abrupt: 0 };
@@ -380,7 +380,7 @@ fn data_after_two_waits_and_a_start_of_another_axis() {
 }
 
 /// A segment between a delay and an entry that switches, passed within one tick: what follows
-/// started at ratio 0, as if the delay came directly before it, and the slave stayed behind.
+/// started at ratio 0, as if the delay came directly before it, and the slave kept lagging.
 #[test]
 fn a_switch_after_a_delay_and_a_segment_within_a_tick() {
     let datum = |master: f64, slave: f64, kind: i16| Item::Segment(Datum { master, slave, kind, percent: 0 });

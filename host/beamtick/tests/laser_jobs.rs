@@ -194,7 +194,7 @@ fn the_signals_show_the_edge_that_ends_a_job() {
 }
 
 /// Analog outputs that the job sets, at their instants: the path's one at the corner, 15 ms after
-/// its start on the first tick. Reads tell what is output, whoever set it.
+/// its start on the first tick. Reads report what is output, whoever set it.
 #[test]
 fn signals_and_reads_show_analog_outputs_of_calls_and_paths() {
     let folder = tempfile::tempdir().unwrap();

@@ -302,7 +302,7 @@ fn without_jumpers_rows_are_not_measured_and_none_fails() {
     assert!(rows.values().filter(|(result, _)| *result == "pass").count() >= 16, "{page}");
 }
 
-/// Its lines may be wired to anything: what registers tell is reported, the rest is not measured.
+/// Its lines may be wired to anything: what registers show is reported, the rest is not measured.
 #[test]
 fn on_another_package_no_line_is_driven_but_the_links() {
     let Some(board) = board(&[Wrong::Package(0)], &[]) else { return };

@@ -223,7 +223,7 @@ fn a_link_task_that_stands_still_lets_the_watchdog_bite() {
     assert_eq!((fault, &*text), (4, "watchdog: the tick or the thread stood still"));
 }
 
-/// What the board tells of the end of its last run.
+/// What the board reports of the end of its last run.
 fn last_fault(machine: Machine) -> (u8, String) {
     let link = EmulatedLink::new(Arc::new(Mutex::new(machine)));
     let client = Client::open(Box::new(link), Options::default()).unwrap();

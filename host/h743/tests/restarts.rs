@@ -223,7 +223,7 @@ fn end(machine: &Shared, how: End) -> Time {
 #[test]
 fn no_reset_under_light_and_a_sending_host_lights_or_moves_anything() {
     let Some(elf) = image() else { return };
-    // The kind that GetFault tells, the cause that keeps the lasers dark.
+    // The kind that GetFault reports, the cause that keeps the lasers dark.
     for (how, kind, cause) in [
         (End::Watchdog, 4, 4),
         (End::Fault, 3, 4),

@@ -356,7 +356,7 @@ fn what_a_stream_cannot_do_is_reported() {
         case(&mut bench);
         assert_eq!(bench.complaints(), expected);
     }
-    // Switched off by software, a stream tells of its end; it must be cleared first.
+    // Switched off by software, a stream reports its end; it must be cleared first.
     let mut bench = Bench::new();
     bench.stream(0, 15, TIM1 + DMAR, RING, 4, WORDS);
     bench.set(DMA1 + 0x10, WORDS);

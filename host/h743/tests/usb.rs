@@ -284,7 +284,7 @@ fn a_pulled_cable_ends_the_light_and_says_so_when_it_is_back() {
         machine.plug_usb(false);
         machine.chip.now
     };
-    // 500 ms without a frame (SPEC 9), and the two ticks that lasers are behind.
+    // 500 ms without a frame (SPEC 9), and the two ticks by which lasers lag.
     let mut machine = lock(&shared);
     machine.run(502 * MILLISECOND);
     let dark = machine.chip.now;

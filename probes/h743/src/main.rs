@@ -141,7 +141,7 @@ extern "C" fn overflowed() -> ! {
 
 #[entry]
 fn main() -> ! {
-    // SAFETY: RCC_RSR tells what the reset was.
+    // SAFETY: RCC_RSR shows what the reset was.
     let reset = unsafe { read_volatile(RSR) };
     if reset & 1 << 24 != 0 {
         note(0x200);

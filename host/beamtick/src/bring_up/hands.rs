@@ -362,8 +362,8 @@ mod tests {
         }
     }
 
-    /// Whoever leaves a board whose lasers are lit has ended the light. He is told how to end it
-    /// where the board does not say that it is dark, and where its port is gone.
+    /// Whoever leaves a board whose lasers are lit has ended the light. The message says how to
+    /// end it where the board does not say that it is dark, and where its port is gone.
     #[test]
     fn a_hand_that_goes_away_under_light_is_told_of_it() {
         let line = |text: &str| format!("{text}*{:02X}\r\n", text.bytes().fold(0, |all, byte| all ^ byte));

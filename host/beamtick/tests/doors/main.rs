@@ -82,7 +82,7 @@ impl Table {
         if let Step::Call(call) = step {
             self.note_name(door, call.function.name, code);
             if code != 0 {
-                // How a door tells why.
+                // How a door says why.
                 self.note_name(door, "GetLastReason", 0);
             }
         }
@@ -119,7 +119,7 @@ impl Table {
 /// What cannot be an entry of a program: `--tick-us` sets the tick of a job.
 const NOT_IN_JOBS: [&str; 1] = ["SetTick"];
 
-/// Runs a program through every door and tells what differs; nothing where a door is not here.
+/// Runs a program through every door and reports what differs; nothing where a door is not here.
 fn compare(name: &str, family: &str, steps: &[Step], table: &mut Table) -> Vec<String> {
     let (wire, all) = wire::wire(name, family, steps);
     let Some(c) = text::c(name, family, steps) else { return Vec::new() };

@@ -241,7 +241,7 @@ pub fn scheduled(programme: &Programme, ticks: &[u32], path: &Path) -> Vec<(Repo
 }
 
 impl Wire<'_> {
-    /// What GetDac and GetDo tell is what the machine outputs (SPEC 4).
+    /// What GetDac and GetDo report is what the machine outputs (SPEC 4).
     fn is_output(&self, call: &Call, answer: &Answer) -> Option<String> {
         let outputs = self.board.outputs();
         let expected: Vec<f64> = match (call.function.name, call.number("dac"), call.number("doType")) {

@@ -94,7 +94,7 @@ impl Feed {
     /// What the machine does.
     pub fn view(&self) -> View {
         let mut view = locked(&self.shared.view).clone();
-        // What was wrong before the last release was told, and is over.
+        // What was wrong before the last release was reported, and is over.
         if view.released != self.released {
             view.fault = None;
         }

@@ -1,4 +1,4 @@
-//! Rows that edges at the ends of jumpers tell, in counts of 240 MHz.
+//! Rows that edges at the ends of jumpers decide, in counts of 240 MHz.
 //!
 //! The plan of `bring-up/src/light.rs`: light begins 2400 counts after a tick, in pulses of 240
 //! counts every 1200; under load two lasers have periods of 120 and 121 counts in turn, and eight

@@ -1,4 +1,4 @@
-//! Rows that registers alone tell.
+//! Rows that registers alone decide.
 use super::{Row, Verdict, all_of};
 use crate::bring_up::lines::Figures;
 
