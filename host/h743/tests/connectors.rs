@@ -355,7 +355,8 @@ fn pins_of_the_outer_connectors_are_those_of_the_published_list() {
     should.sort_unstable();
     assert_eq!(named, should);
     // In words: the bridge of the bootloader, and the pin to measure.
-    assert!(PAGE.contains("BOOT0 to VDD (CN11 pins 7 and 5)") && PAGE.contains("LD3 is output 2, at pin 28 of CN12"));
+    assert!(PAGE.contains("BOOT0 to VDD (CN11 pins 7 and 5,"));
+    assert!(PAGE.contains("output 2 (LED LD3) must be at pin 28 of CN12"));
     assert_eq!(signals["output 2"], ["PB14"]);
 }
 
