@@ -92,10 +92,6 @@ impl Controller {
             } else {
                 axis.fastest = axis.fastest * Fix::ms(self.tick_ns);
             }
-            // Beyond a limit the tick of its end is that of its bit, or the one before.
-            if axis.beyond() != 0 && axis.open.is_some() {
-                open = axis.open;
-            }
             if axis.brink {
                 open = Some("within rounding of a soft limit");
             }
@@ -135,6 +131,10 @@ impl Controller {
                     }
                 }
                 None => {}
+            }
+            // Beyond a limit the tick of its end is that of its bit, or the one before.
+            if axis.beyond() != 0 && axis.open.is_some() {
+                open = axis.open;
             }
             self.open = self.open.or(open).or(axis.unsaid);
             self.count(&axis, was_slave);
