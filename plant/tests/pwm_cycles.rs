@@ -10,9 +10,10 @@ use chance::Chance;
 use plant::beam::{OutputStage, SignalChange};
 use servo::laser::{Action, Clock, Count, LaserPlan, PLAN_ACTIONS, Power, PulseRate, Standby, Train};
 use servo::output::{
-    Cycle, DELAY_LINE_WORDS, DelayLine, GATE_MIN_COUNTS, GateCycles, PWM_MIN_COUNTS, PwmCycles, Scale,
+    Cycle, CycleRing, DELAY_LINE_WORDS, DelayLine, GATE_MIN_COUNTS, GateCycles, PWM_MIN_COUNTS, PwmCycles, RingSlots,
+    Scale,
 };
-use std::sync::atomic::AtomicU32;
+use std::sync::atomic::{AtomicU16, AtomicU32, Ordering};
 
 const MHZ: u16 = 240;
 const SCALE: Scale = Scale::of_mhz(MHZ);
@@ -441,6 +442,83 @@ fn the_switches_are_the_models_to_a_count() {
     assert!(edges > 20 * runs as usize, "{edges}");
     assert!(missing > 0 && missing * 4 < edges, "{missing} of {edges}");
     assert!(worst <= 7 * u64::from(GATE_MIN_COUNTS) + 1, "{worst}");
+}
+
+/// Slots of the rings below: few, so that three in a row are often not left.
+const SLOTS: usize = 1024;
+
+/// What a ring got since a slot: the half-words of each.
+fn taken<const WORDS: usize>(slots: &RingSlots<SLOTS, WORDS>, from: usize, until: usize) -> Vec<[u16; WORDS]> {
+    let count = (until + SLOTS - from) % SLOTS;
+    (0..count).map(|n| slots[(from + n) % SLOTS].each_ref().map(|word| word.load(Ordering::Relaxed))).collect()
+}
+
+fn ring<const WORDS: usize>(dark: [u16; WORDS]) -> (&'static RingSlots<SLOTS, WORDS>, CycleRing<SLOTS, WORDS>) {
+    let slots: &RingSlots<SLOTS, WORDS> =
+        Box::leak(Box::new(std::array::from_fn(|_| std::array::from_fn(|_| AtomicU16::new(7)))));
+    let mut ring = CycleRing::new(slots, dark);
+    while !ring.clear() {}
+    ring.begin(168);
+    (slots, ring)
+}
+
+/// A tick in which nothing changes queues by a shorter way: the cycles are those of
+/// [`PwmCycles::take`] and [`GateCycles::take`], in rings that turn, also where a ring ends.
+#[test]
+fn what_goes_on_is_queued_as_by_actions() {
+    let (mut quiet, mut compared, mut lit) = (0, 0, 0);
+    for seed in 0..40 {
+        let mut random = Random::new(seed);
+        let (slots, mut energy) = ring([0; 3]);
+        let (switch_slots, mut switch) = ring([0, 0, u16::MAX, 0, 0, u16::MAX]);
+        let (mut pwm, mut by_actions) = (PwmCycles::from(BEGIN, SCALE), PwmCycles::from(BEGIN, SCALE));
+        let (mut gates, mut gates_by_actions) = (GateCycles::from(BEGIN, SCALE), GateCycles::from(BEGIN, SCALE));
+        let (mut at, mut switch_at) = (0, 0);
+        let mut line = held();
+        // Light, then none for long: what goes on in the dark, and what in the light of a switch.
+        let mut from = counts(10_000);
+        for tick in 0..400u32 {
+            let lasts = if tick % 50 < 25 { 10_000 } else { 250_000 };
+            let plan = if tick % 8 == 0 && tick < 200 { random.plan(lasts) } else { LaserPlan::EMPTY };
+            let plan = if tick % 40 == 20 {
+                let mut off = LaserPlan::EMPTY;
+                off.add(0, Action::Dark { standby: Train::NONE, cut: true });
+                off.add(0, Action::Switch(random.below(2) == 0));
+                off
+            } else {
+                plan
+            };
+            assert!(line.put(&plan));
+            let to = from + counts(lasts);
+            assert!(energy.renew(at * 3) && switch.renew(switch_at * 6));
+            let mut expected = Vec::new();
+            by_actions.take(from, to, line.actions(), &mut |length, light, times| {
+                expected.push([length - 1, times - 1, light].map(|word| word as u16));
+            });
+            pwm.queue(from, to, &line, &mut energy);
+            let end = (at + expected.len()) % SLOTS;
+            assert_eq!(taken(slots, at, end), expected, "seed {seed}, tick {tick}");
+            at = end;
+            let mut expected = Vec::new();
+            gates.hold(line.actions());
+            gates_by_actions.hold(line.actions());
+            gates_by_actions.take(from, to, line.actions(), &mut |cycle| {
+                let ([fall_0, fall_1], [rise_0, rise_1]) = (cycle.falls, cycle.rises);
+                expected.push([cycle.length - 1, 0, rise_0, fall_0, fall_1, rise_1].map(|word| word as u16));
+            });
+            gates.queue(from, to, &line, &mut switch);
+            let end = (switch_at + expected.len()) % SLOTS;
+            lit += usize::from(plan.actions().is_empty() && expected.iter().all(|cycle| cycle[3] != 0));
+            assert_eq!(taken(switch_slots, switch_at, end), expected, "seed {seed}, tick {tick}");
+            switch_at = end;
+            assert_eq!((pwm.queued(), gates.queued()), (by_actions.queued(), gates_by_actions.queued()));
+            compared += 1;
+            quiet += usize::from(plan.actions().is_empty());
+            from = to;
+        }
+    }
+    println!("{compared} ticks, {quiet} without an action, {lit} of them in light");
+    assert!(quiet > 10_000 && lit > 500, "{quiet}, {lit}");
 }
 
 /// The pulses of a train, in counts from the beginning of the first one, and the ends of what each

@@ -483,16 +483,13 @@ impl Lasers {
             *is_live = revive(channel);
         }
         let mut read_by = energy.queued().wrapping_sub(timer.ring.ahead().into());
-        energy.take(from, to, delayed.actions(), &mut |length, light, times| timer.ring.put(length, times, [light]));
+        energy.queue(from, to, delayed, &mut timer.ring);
         if channel == 0 {
             self.switches.hold(delayed.actions());
         } else {
-            let timer = &mut self.switch_timer;
-            read_by = read_by.min(self.switches.queued().wrapping_sub(timer.ring.ahead().into()));
-            self.switches.take(from, to, delayed.actions(), &mut |cycle| {
-                let ([fall_0, fall_1], [rise_0, rise_1]) = (cycle.falls, cycle.rises);
-                timer.ring.put(cycle.length, 1, [rise_0, fall_0, fall_1, rise_1]);
-            });
+            let ring = &mut self.switch_timer.ring;
+            read_by = read_by.min(self.switches.queued().wrapping_sub(ring.ahead().into()));
+            self.switches.queue(from, to, delayed, ring);
         }
         if self.state == State::Begins && channel + 1 == CHANNELS {
             self.launch();

@@ -47,18 +47,17 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
     }
 
     #[inline(always)]
-    fn darken(slots: Option<&[Slot<WORDS>]>, dark: [u16; WORDS]) {
-        for slot in slots.unwrap_or_default() {
-            for (word, dark) in slot.iter().zip(dark) {
-                word.store(dark, Ordering::Relaxed);
-            }
+    fn darken(slot: &Slot<WORDS>, dark: [u16; WORDS]) {
+        for (word, dark) in slot.iter().zip(dark) {
+            word.store(dark, Ordering::Relaxed);
         }
     }
 
     /// Before a start: makes some more slots dark; true once all are.
     pub fn clear(&mut self) -> bool {
         let end = self.lit.wrapping_add(AT_ONCE).min(SLOTS);
-        Self::darken(self.slots.get(self.lit..end), self.dark);
+        let slots = self.slots.get(self.lit..end).unwrap_or_default();
+        slots.iter().for_each(|slot| Self::darken(slot, self.dark));
         self.lit = end;
         end == SLOTS
     }
@@ -111,13 +110,31 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
             return;
         };
         self.free = free;
+        Self::write(slot, length, times, compare);
+        self.last = [self.last[1], length.wrapping_mul(times)];
+    }
+
+    /// Queues three cycles of these lengths, with the half-words of their compare registers. False,
+    /// and queues none, if there are no three slots in a row.
+    #[inline(always)]
+    pub fn put_three<const N: usize>(&mut self, lengths: [u32; 3], compare: impl Fn(u32) -> [u32; N]) -> bool {
+        let Some((slots, free)) = self.free.split_first_chunk::<3>() else { return false };
+        for (slot, length) in slots.iter().zip(lengths) {
+            Self::write(slot, length, 1, compare(length));
+        }
+        let [_, last @ ..] = lengths;
+        (self.free, self.last) = (free, last);
+        true
+    }
+
+    #[inline(always)]
+    fn write(slot: &Slot<WORDS>, length: u32, times: u32, compare: impl IntoIterator<Item = u32>) {
         let [to_length, to_times, to @ ..] = slot.as_slice() else { return };
         to_length.store(length.wrapping_sub(1) as u16, Ordering::Relaxed);
         to_times.store(times.wrapping_sub(1) as u16, Ordering::Relaxed);
         for (to, value) in to.iter().zip(compare) {
             to.store(value as u16, Ordering::Relaxed);
         }
-        self.last = [self.last[1], length.wrapping_mul(times)];
     }
 
     /// How long before the end of the queue the next cycle is read at the earliest, in counts.
@@ -132,17 +149,13 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
     #[inline(never)]
     pub fn renew(&mut self, read: usize) -> bool {
         let over = self.queued;
-        let turns_over = over < self.lit;
-        let mut slots = self.slots.get(self.lit..if turns_over { SLOTS } else { over });
-        let mut first = turns_over.then_some(over);
-        // A loop of two turns at most, so that the code that makes slots dark exists once: it runs
-        // from scarce memory.
-        loop {
-            Self::darken(slots, self.dark);
-            let Some(before) = first.take() else { break };
-            slots = self.slots.get(..before);
+        // Both are below the number of slots.
+        while let Some(slot) = self.slots.get(self.lit).filter(|_| self.lit != over) {
+            Self::darken(slot, self.dark);
+            let next = self.lit.wrapping_add(1);
+            self.lit = if next < SLOTS { next } else { 0 };
         }
-        (self.lit, self.queued) = (over, self.slot());
+        self.queued = self.slot();
         let begin = over.wrapping_mul(WORDS);
         let from = |at: usize| if at < begin { at.wrapping_add(Self::WORDS) } else { at }.wrapping_sub(begin);
         !self.is_full && from(read) <= from(self.queued.wrapping_mul(WORDS))

@@ -62,6 +62,13 @@ impl Lengths {
     }
 }
 
+/// The same of an interval that one cycle and the two short ones at its end make.
+#[inline(always)]
+pub(crate) fn long_and_two_short(counts: u32, least: u32) -> Option<[u32; 3]> {
+    let fits = (least.wrapping_mul(3)..=CYCLE_MAX_COUNTS).contains(&counts);
+    fits.then(|| [counts.wrapping_sub(least.wrapping_mul(2)), least, least])
+}
+
 impl Iterator for Lengths {
     type Item = u32;
 

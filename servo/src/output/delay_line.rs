@@ -51,6 +51,11 @@ impl DelayLine {
         self.lights
     }
 
+    /// Whether its plan has no action.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
     fn add(&mut self, word: u32) -> bool {
         let Some(slot) = self.words.get(self.len) else { return false };
         slot.store(word, Ordering::Relaxed);

@@ -7,7 +7,9 @@
 //! An active pulse shorter than [`MIN_COUNTS`] may be missing, if there was no room for the cycle
 //! that would begin with its end; the shortest pulse that a command asks for is 1 µs. Gaps are
 //! exact, whatever their length.
-use super::cycles::{LATE_MIN_CYCLES, Lengths, Scale};
+use super::cycle_ring::CycleRing;
+use super::cycles::{LATE_MIN_CYCLES, Lengths, Scale, long_and_two_short};
+use super::delay_line::DelayLine;
 use crate::laser::{Action, CHANNELS, PLAN_ACTIONS};
 
 /// The shortest cycle, in counts: 500 ns at 240 MHz, in which DMA brings six half-words.
@@ -43,6 +45,11 @@ struct GateEdges {
 impl GateEdges {
     const INACTIVE: GateEdges = GateEdges { falls: 0, rises: NO_EDGE_COUNTS };
     const ACTIVE: GateEdges = GateEdges { falls: NO_EDGE_COUNTS, rises: NO_EDGE_COUNTS };
+
+    #[inline(always)]
+    fn is_steady(&self) -> bool {
+        matches!(self.falls, 0 | NO_EDGE_COUNTS) && self.rises == NO_EDGE_COUNTS
+    }
 
     /// The cycle ends after this many counts, and the next one begins.
     #[inline(always)]
@@ -132,6 +139,34 @@ impl GateCycles {
         if certain >= MIN_COUNTS {
             self.close(certain, sink);
         }
+    }
+
+    /// The cycles of the second channel's plan that was delayed, in a ring: those of
+    /// [`GateCycles::take`].
+    #[inline(always)]
+    pub fn queue<const SLOTS: usize>(&mut self, from: u64, to: u64, plan: &DelayLine, ring: &mut CycleRing<SLOTS, 6>) {
+        if !(plan.is_empty() && self.go_on(to, ring)) {
+            self.take(from, to, plan.actions(), &mut |cycle| {
+                let ([fall_0, fall_1], [rise_0, rise_1]) = (cycle.falls, cycle.rises);
+                ring.put(cycle.length, 1, [rise_0, fall_0, fall_1, rise_1]);
+            });
+        }
+    }
+
+    /// The outputs stay as they are up to `to`. False, and nothing has changed, if one changes, or
+    /// if that takes other cycles than a long one and two short ones.
+    #[inline(always)]
+    fn go_on<const SLOTS: usize>(&mut self, to: u64, ring: &mut CycleRing<SLOTS, 6>) -> bool {
+        let counts = self.counts_to(to).saturating_sub(MIN_COUNTS);
+        let is_steady = self.waiting == 0 && self.lines.iter().all(GateEdges::is_steady);
+        let Some(lengths) = long_and_two_short(counts, MIN_COUNTS).filter(|_| is_steady) else { return false };
+        let [falls_0, falls_1] = self.lines.each_ref().map(|line| line.falls);
+        let compare = |length: u32| [NEVER_COUNTS, falls_0.min(length), falls_1.min(length), NEVER_COUNTS];
+        if !ring.put_three(lengths, compare) {
+            return false;
+        }
+        (self.begin, self.known) = (self.begin.wrapping_add(counts.into()), to);
+        true
     }
 
     /// From the beginning of the cycle that is not queued yet; the known interval is far below 2³²

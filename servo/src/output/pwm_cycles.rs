@@ -8,7 +8,9 @@
 //! before it, with a gap between them, would need its time: that pulse is left out. This happens
 //! only if light or standby is cut within 350 ns of a pulse's beginning and the pulse has ended
 //! before; carriers never come near.
-use super::cycles::{CYCLE_MAX_COUNTS, LATE_MIN_CYCLES, Lengths, Scale};
+use super::cycle_ring::CycleRing;
+use super::cycles::{CYCLE_MAX_COUNTS, LATE_MIN_CYCLES, Lengths, Scale, long_and_two_short};
+use super::delay_line::DelayLine;
 use crate::laser::{Action, FINISH_NS, Pattern, PulseRate, Train};
 
 /// The end of a period that is paused.
@@ -88,6 +90,28 @@ impl PwmCycles {
             self.pulses_to(to, sink);
             self.queue_certain(sink);
         }
+    }
+
+    /// The cycles of a plan that was delayed, in a ring: those of [`PwmCycles::take`].
+    #[inline(always)]
+    pub fn queue<const SLOTS: usize>(&mut self, from: u64, to: u64, plan: &DelayLine, ring: &mut CycleRing<SLOTS, 3>) {
+        if !(plan.is_empty() && self.stay_dark(to, ring)) {
+            self.take(from, to, plan.actions(), &mut |length, light, times| ring.put(length, times, [light]));
+        }
+    }
+
+    /// It stays dark up to `to`. False, and nothing has changed, if something lights, or if that
+    /// takes other cycles than a long one and two short ones.
+    #[inline(always)]
+    fn stay_dark<const SLOTS: usize>(&mut self, to: u64, ring: &mut CycleRing<SLOTS, 3>) -> bool {
+        let counts = (to.saturating_sub(self.begin) as u32).saturating_sub(MIN_COUNTS);
+        let is_dark = self.train.is_none() && !self.runs && self.next.is_none() && self.until <= self.begin;
+        let Some(lengths) = long_and_two_short(counts, MIN_COUNTS).filter(|_| is_dark) else { return false };
+        if !ring.put_three(lengths, |_| [0]) {
+            return false;
+        }
+        (self.begin, self.known) = (self.begin.wrapping_add(counts.into()), to);
+        true
     }
 
     /// Nothing that is not queued yet has light.

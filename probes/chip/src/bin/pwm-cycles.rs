@@ -56,14 +56,10 @@ impl Outputs {
         let channels = self.energies.iter_mut().zip(&mut self.rings).zip(&self.delay_lines).zip(read);
         for (((energy, ring), delayed), read) in channels {
             right &= ring.renew(read);
-            energy.take(from, to, delayed.actions(), &mut |length, light, times| ring.put(length, times, [light]));
+            energy.queue(from, to, delayed, ring);
         }
         self.switches.hold(self.delay_lines[0].actions());
-        let ring = &mut self.switch_ring;
-        self.switches.take(from, to, self.delay_lines[1].actions(), &mut |cycle| {
-            let ([fall_0, fall_1], [rise_0, rise_1]) = (cycle.falls, cycle.rises);
-            ring.put(cycle.length, 1, [rise_0, fall_0, fall_1, rise_1]);
-        });
+        self.switches.queue(from, to, &self.delay_lines[1], &mut self.switch_ring);
         self.delay_lines.iter_mut().zip(plans).fold(right, |right, (delayed, plan)| delayed.put(plan) && right)
     }
 }
