@@ -53,8 +53,8 @@ pub enum ShadowChange {
     Aborted,
     /// Link loss and interlock.
     Watch(Watch),
-    /// The planned positions are set; none where only the tick knows them.
-    Placed { axes: AxisMask, pos: Option<Pos> },
+    /// The planned positions are set.
+    Placed { axes: AxisMask, pos: Pos },
     /// Latched bits are cleared.
     Cleared { axes: AxisMask },
     /// The axes start, at this script clock (ns).
@@ -404,7 +404,7 @@ impl<const AXES: usize> Shadows<AXES> {
                         follow,
                         cleared: Some(seq),
                         servo: Some((seq, false)),
-                        placed: Some((seq, Some(Pos(0)))),
+                        placed: Some((seq, Pos(0))),
                         ..AxisShadow::power_on()
                     };
                     shadow.empty(seq, 3);

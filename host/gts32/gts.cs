@@ -265,7 +265,7 @@ namespace gts
         /// <summary>Sets the planned position, pulses.</summary>
         [DllImport(Library)]
         public static extern short GT_SetPrfPos(short profile, int pos);
-        /// <summary>Makes the axes' positions those of profile and encoder.</summary>
+        /// <summary>Changes nothing: an axis reads what its profile and its encoder read, also after SetPrfPos.</summary>
         [DllImport(Library)]
         public static extern short GT_SynchAxisPos(int mask);
         /// <summary>Sets the decelerations of smooth and abrupt stops, pulse/ms^2.</summary>
@@ -1153,7 +1153,7 @@ namespace gts
         /// <summary>Sets the planned position, pulses.</summary>
         [DllImport(Library)]
         public static extern short GTN_SetPrfPos(short core, short profile, int pos);
-        /// <summary>Makes the axes' positions those of profile and encoder.</summary>
+        /// <summary>Changes nothing: an axis reads what its profile and its encoder read, also after SetPrfPos.</summary>
         [DllImport(Library)]
         public static extern short GTN_SynchAxisPos(short core, int mask);
         /// <summary>Sets the decelerations of smooth and abrupt stops, pulse/ms^2.</summary>
@@ -2042,7 +2042,7 @@ namespace gts
         /// <summary>Sets the planned position, pulses.</summary>
         [DllImport(Library, EntryPoint = "GTM_SetPrfPos")]
         public static extern short GT_SetPrfPos(short cardNum, short profile, int pos);
-        /// <summary>Makes the axes' positions those of profile and encoder.</summary>
+        /// <summary>Changes nothing: an axis reads what its profile and its encoder read, also after SetPrfPos.</summary>
         [DllImport(Library, EntryPoint = "GTM_SynchAxisPos")]
         public static extern short GT_SynchAxisPos(short cardNum, int mask);
         /// <summary>Sets the decelerations of smooth and abrupt stops, pulse/ms^2.</summary>

@@ -69,9 +69,8 @@ wire_structs! {
     /// The tick period from the tick `tick` (from row 0) on, ns.
     Period { tick: U32, period_ns: U32 }
     /// From the next row on the position of an axis, the column `column` from 0, is called `by`
-    /// more, in 2^-22 pulse, and the machine does not move: ZeroPos, SetPrfPos, SynchAxisPos,
-    /// Reset. Those before row 0 say what it is called since power-on. `tick` is the one that it
-    /// holds from.
+    /// more, in 2^-22 pulse, and the machine does not move: ZeroPos, SetPrfPos, Reset. Those
+    /// before row 0 say what it is called since power-on. `tick` is the one that it holds from.
     Zero { tick: U32, column: u8, by: I64 }
     /// A number of counts of the laser timers: whole + part/of, where 0 stands for 2^32.
     Count { whole: U64, part: U32, of: U32 }

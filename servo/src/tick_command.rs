@@ -179,8 +179,6 @@ pub enum TickCommand {
     SetPosition { axis: Axis, pos: Pos },
     /// Sets the encoder's reading.
     SetEncoder { axis: Axis, pulses: i64 },
-    /// Planned position := encoder position, at standstill.
-    Synchronise { axes: AxisMask },
     /// Mode at standstill, any but `MotionMode::Crd`. A change of mode or of the use of the FIFO
     /// clears the PT data.
     SetMode { axis: Axis, mode: MotionMode },

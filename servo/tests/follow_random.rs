@@ -129,10 +129,9 @@ impl Program {
     fn rename(&mut self, index: usize) {
         let axis = axis(index);
         let pulses = self.below(2001) as i64 - 1000;
-        match self.below(5) {
+        match self.below(4) {
             0 => self.now(TickCommand::Zero { axes: axis.mask() }),
-            1 => self.now(TickCommand::Synchronise { axes: axis.mask() }),
-            2 => self.now(TickCommand::SetEncoder { axis, pulses }),
+            1 => self.now(TickCommand::SetEncoder { axis, pulses }),
             _ => self.now(TickCommand::SetPosition { axis, pos: Pos::pulses(pulses as i32) }),
         }
     }

@@ -306,7 +306,7 @@ fn setting_positions_makes_no_step() {
     bench.now(TickCommand::SetEncoder { axis: axis(0), pulses: 33 });
     let view = bench.tick();
     assert_eq!((view.axes[0].pos, view.axes[0].encoder), (Pos::pulses(-7), 33));
-    bench.now(TickCommand::Synchronise { axes: all(&[0]) });
+    bench.now(TickCommand::SetPosition { axis: axis(0), pos: Pos::pulses(33) });
     assert_eq!(bench.tick().axes[0].pos, Pos::pulses(33));
     bench.start(&[0]);
     let view = bench.run_to_standstill();

@@ -52,20 +52,20 @@ pub fn stop<const AXES: usize>(context: &mut Context<AXES>, r: &Stop) -> Admitte
 pub fn zero<const AXES: usize>(context: &mut Context<AXES>, r: &ZeroPos) -> Admitted<Answer> {
     let axes = context.span_mask(r.core.get(), r.axis.get(), r.count.get())?;
     context.all_at_standstill(axes, Reason::Moving)?;
-    context.only(TickCommand::Zero { axes }, ShadowChange::Placed { axes, pos: Some(Pos(0)) })
+    context.only(TickCommand::Zero { axes }, ShadowChange::Placed { axes, pos: Pos(0) })
 }
 
 pub fn set_position<const AXES: usize>(context: &mut Context<AXES>, r: &SetPrfPos) -> Admitted<Answer> {
     let axis = context.axis(r.core.get(), r.profile.get())?;
     context.at_standstill(axis)?;
     let pos = Pos::pulses(r.pos.get());
-    context.only(TickCommand::SetPosition { axis, pos }, ShadowChange::Placed { axes: axis.mask(), pos: Some(pos) })
+    context.only(TickCommand::SetPosition { axis, pos }, ShadowChange::Placed { axes: axis.mask(), pos })
 }
 
+/// An axis here has no values of its own beside those of its profile and its encoder.
 pub fn synchronise<const AXES: usize>(context: &mut Context<AXES>, r: &SynchAxisPos) -> Admitted<Answer> {
-    let axes = context.mask(r.core.get(), r.mask.get(), 1)?;
-    context.all_at_standstill(axes, Reason::Moving)?;
-    context.for_axes(axes, TickCommand::Synchronise { axes }, ShadowChange::Placed { axes, pos: None })
+    context.mask(r.core.get(), r.mask.get(), 1)?;
+    Ok(Answer::Done)
 }
 
 /// A deceleration that stops: above 0.

@@ -44,7 +44,7 @@ pub struct AxisShadow {
     /// The last start, until a view shows the axis at standstill.
     pub busy: Option<u32>,
     /// The last entry that set the planned position, and to what, until it is executed.
-    pub placed: Option<(u32, Option<Pos>)>,
+    pub placed: Option<(u32, Pos)>,
     /// In `MotionMode::Crd`: the coordinate system that drives it.
     pub crd: Crd,
     /// The last AxisOn or AxisOff, until it is executed.
@@ -154,7 +154,7 @@ impl AxisShadow {
     pub fn position<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> Option<Pos> {
         match self.placed {
             _ if self.is_busy(view, axis) => None,
-            Some((seq, pos)) if !executed(view, seq) => pos,
+            Some((seq, pos)) if !executed(view, seq) => Some(pos),
             _ => Some(axis.pos),
         }
     }

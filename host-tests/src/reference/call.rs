@@ -303,7 +303,6 @@ impl Call {
         match self {
             Call::Axis { kind, .. } => matches!(kind, Kind::ZeroPos | Kind::PrfTrap | Kind::PrfJog | Kind::PrfPvt),
             Call::SetPrfPos { .. }
-            | Call::SynchAxisPos { .. }
             | Call::PrfPt { .. }
             | Call::PtClear { .. }
             | Call::SetPtMemory { .. }

@@ -44,7 +44,8 @@ fn a_name_makes_no_step() {
         (format!("GT_SetPrfPos(1, 1000); {}", again(1010)), (30, 0)),
         (format!("GT_SetPrfPos(1, 7); {}", again(0)), (20, 7)),
         (format!("GT_ZeroPos(1, 1); {}", again(-5)), (20, 5)),
-        (format!("GT_SetEncPos(1, 300); GT_SynchAxisPos(1); {}", again(310)), (30, 0)),
+        // The planned position is neither that of the encoder nor what it was before.
+        (format!("GT_SetPrfPos(1, 7); GT_SetEncPos(1, 300); GT_SynchAxisPos(1); {}", again(17)), (30, 0)),
         // The clock of the other two stands between: both names lie before one row.
         (format!("GT_SetPrfPos(1, 1000); GT_SetPrfPos(1, -3); {}", again(1)), (24, 0)),
         ("GT_Reset();".to_owned(), (20, 0)),

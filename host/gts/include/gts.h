@@ -239,7 +239,7 @@ GT_API GT_Stop(long mask, long option);
 GT_API GT_ZeroPos(short axis, short count GT_DEFAULT(1));
 /* Sets the planned position, pulses. */
 GT_API GT_SetPrfPos(short profile, long pos);
-/* Makes the axes' positions those of profile and encoder. */
+/* Changes nothing: an axis reads what its profile and its encoder read, also after SetPrfPos. */
 GT_API GT_SynchAxisPos(long mask);
 /* Sets the decelerations of smooth and abrupt stops, pulse/ms^2. */
 GT_API GT_SetStopDec(short profile, double decSmoothStop, double decAbruptStop);
@@ -819,7 +819,7 @@ GT_API GTN_Stop(short core, long mask, long option);
 GT_API GTN_ZeroPos(short core, short axis, short count GT_DEFAULT(1));
 /* Sets the planned position, pulses. */
 GT_API GTN_SetPrfPos(short core, short profile, long pos);
-/* Makes the axes' positions those of profile and encoder. */
+/* Changes nothing: an axis reads what its profile and its encoder read, also after SetPrfPos. */
 GT_API GTN_SynchAxisPos(short core, long mask);
 /* Sets the decelerations of smooth and abrupt stops, pulse/ms^2. */
 GT_API GTN_SetStopDec(short core, short profile, double decSmoothStop, double decAbruptStop);

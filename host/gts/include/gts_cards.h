@@ -512,7 +512,7 @@ GT_API GT_Stop(short cardNum, long mask, long option);
 GT_API GT_ZeroPos(short cardNum, short axis, short count GT_DEFAULT(1));
 /* Sets the planned position, pulses. */
 GT_API GT_SetPrfPos(short cardNum, short profile, long pos);
-/* Makes the axes' positions those of profile and encoder. */
+/* Changes nothing: an axis reads what its profile and its encoder read, also after SetPrfPos. */
 GT_API GT_SynchAxisPos(short cardNum, long mask);
 /* Sets the decelerations of smooth and abrupt stops, pulse/ms^2. */
 GT_API GT_SetStopDec(short cardNum, short profile, double decSmoothStop, double decAbruptStop);

@@ -28,7 +28,7 @@ const ABOUT: &[(&str, &str)] = &[
     ("Stop", "Stops axes and coordinate systems, smoothly or (option) abruptly."),
     ("ZeroPos", "Sets the positions of count axes at rest to 0."),
     ("SetPrfPos", "Sets the planned position, pulses."),
-    ("SynchAxisPos", "Makes the axes' positions those of profile and encoder."),
+    ("SynchAxisPos", "Changes nothing: an axis reads what its profile and its encoder read, also after SetPrfPos."),
     ("SetStopDec", "Sets the decelerations of smooth and abrupt stops, pulse/ms^2."),
     ("GetStopDec", "The decelerations of smooth and abrupt stops, pulse/ms^2."),
     ("SetAxisBand", "Sets the in-position band in pulses, and its time in 250 us units."),

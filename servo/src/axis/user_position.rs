@@ -2,7 +2,6 @@
 //!
 //! In: values for the planned position and for the encoder. Out: the machine's set-point, which no
 //! such value changes.
-use super::inputs::reading;
 use super::{AxisState, exact};
 use crate::units::Pos;
 
@@ -42,10 +41,5 @@ impl AxisState {
         self.published.encoder_before =
             self.published.encoder_before.wrapping_add(pulses.wrapping_sub(self.published.encoder));
         self.published.encoder = pulses;
-    }
-
-    /// The planned position becomes the encoder's reading.
-    pub(crate) fn synchronise(&mut self) {
-        self.rename(reading(self.published.encoder));
     }
 }

@@ -148,7 +148,6 @@ impl<const AXES: usize> Tick<AXES> {
                 self.lasers.crd_cleared(self.holders(axes), next);
             }
             TickCommand::Zero { axes } => self.renamed(axes, AxisState::zero_position, hand_overs.samples),
-            TickCommand::Synchronise { axes } => self.renamed(axes, AxisState::synchronise, hand_overs.samples),
             TickCommand::SetPosition { axis, pos } => {
                 self.renamed(axis.mask(), |state| state.rename(pos), hand_overs.samples)
             }

@@ -117,9 +117,7 @@ impl<const AXES: usize> Tick<AXES> {
                 moving.wrapping_add((crds.0 & self.crds.running.0).count_ones()).wrapping_mul(STOP).wrapping_add(1)
             }
             TickCommand::Abort => self.moving(AxisMask(u64::MAX)).wrapping_mul(STOP).wrapping_add(STOP),
-            TickCommand::Zero { axes } | TickCommand::Synchronise { axes } | TickCommand::ClearStatus { axes } => {
-                many(axes)
-            }
+            TickCommand::Zero { axes } | TickCommand::ClearStatus { axes } => many(axes),
             TickCommand::CrdFrame { .. } => FRAME,
             TickCommand::Laser { .. } => LASER,
             TickCommand::ProgramRun => 0,

@@ -118,16 +118,8 @@ impl Controller {
                 let axis = &mut self.axes[axis];
                 axis.encoder_zero = axis.encoder[1] - Fix::whole(pos.into());
             }
-            Call::SynchAxisPos { mask } => {
-                for axis in members(mask) {
-                    check(!self.axes[axis].runs())?;
-                }
-                for axis_index in members(mask) {
-                    let axis = &mut self.axes[axis_index];
-                    axis.rename(axis.encoder[1] - axis.encoder_zero);
-                    self.renamed(axis_index);
-                }
-            }
+            // Nothing stands between what an axis reads and its profile and encoder.
+            Call::SynchAxisPos { .. } => {}
             Call::SetAxisBand { axis, band, time } => {
                 range(band >= 0 && time >= 0)?;
                 self.axes[axis].band = (band, time);

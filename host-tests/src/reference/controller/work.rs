@@ -39,7 +39,8 @@ fn weight(call: &Call) -> (i64, bool) {
         Call::Path(PathCall { what: Path::Set { .. }, .. }) => (20, false),
         // Of what each of its ticks does.
         Call::Reset { .. } => (60, false),
-        Call::Axis { kind: Kind::ZeroPos | Kind::ClrSts, .. } | Call::SynchAxisPos { .. } => (3, false),
+        Call::Axis { kind: Kind::ZeroPos | Kind::ClrSts, .. } => (3, false),
+        Call::SynchAxisPos { .. } => (0, false),
         _ => (2, false),
     }
 }
