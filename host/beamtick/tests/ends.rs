@@ -509,7 +509,7 @@ fn a_signal_at_a_voltage_of_bring_up_sets_both_outputs_to_0() {
     for (signal, name, code) in SIGNALS {
         // Of output 1 the second and the third voltage, of output 2 the third.
         for (answers, expected) in [(1, [16_383, 0]), (2, [32_767, 0]), (5, [0, 32_767])] {
-            let config = Config { name: "a double of dac8563", ..Config::default() };
+            let config = Config { name: "h743zi2-dac8563", ..Config::default() };
             let board = serve(TcpListener::bind("127.0.0.1:0").unwrap(), None, config).unwrap();
             let outputs = || {
                 let analog = board.board().lock().unwrap().outputs().analog;

@@ -36,7 +36,7 @@ pub struct Config {
     pub profile: u8,
     /// What its step outputs make of an axis: pulse/ms, 1 to 2³². Anything else is 2³², full scale.
     pub step_limit: u64,
-    /// The name that the board shows.
+    /// The name that the board shows, 16 bytes of it.
     pub name: &'static str,
 }
 
