@@ -1,6 +1,6 @@
 //! What a link costs by hal and by embassy-stm32, in instructions, and what the emulated chip
-//! reports of each: the figures of docs/decisions/024-embassy-stm32.md. `cargo xtask embassy` builds
-//! the programs, and names their folder by BEAMTICK_EMBASSY.
+//! reports of each: the figures of docs/decisions/024-embassy-stm32.md. `cargo xtask embassy`
+//! builds the programs, and names their folder by BEAMTICK_EMBASSY.
 use h743::image::symbol;
 use h743::{MILLISECOND, Machine};
 use std::path::PathBuf;

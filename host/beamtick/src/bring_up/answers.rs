@@ -1,10 +1,10 @@
 //! Whether a board's own image answers over a link: its clock and its USB are those that it takes
 //! them for.
 //!
-//! In: a link. Out: the rows of the page that this settles. Nothing moves or lights. A port that is
-//! missing or silent, and is not by its own word a board's, settles no row: its name or its rate may
-//! be wrong. Fails: such a port, a link that cannot be opened, another board than the one that is
-//! named, a Nucleo's link that is not its USB; a row that failed.
+//! In: a link. Out: the rows of the page that this settles. Nothing moves or lights. A port that
+//! is missing or silent, and does not say itself that it is a board's, settles no row: its name or
+//! its rate may be wrong. Fails: such a port, a link that cannot be opened, another board than the
+//! one that is named, a Nucleo's link that is not its USB; a row that failed.
 use super::options::AnsweringBoard;
 use super::page;
 use crate::Failure;

@@ -79,13 +79,14 @@ const FAILS: &str = "## Where a row fails\n\n\
     The same chip, but TIM15 starts 12 counts late: the test that writes this page plants that. The counts, the row and the\n\
     advice of that page:\n\n";
 
-/// The lines of a page that a failed row changes: the counts, the row, and what to change.
+/// The lines of a page that a failed row changes, as a quotation: the counts, the row, and what to
+/// change.
 fn of_fails(page: &str) -> String {
-    let changed =
-        |line: &&str| line.contains(" passed, ") || line.starts_with("| row |") || line.contains(" **FAIL** ");
     let (table, advice) = page.split_once("\n## What to change").unwrap();
-    let lines = table.lines().filter(changed).map(|line| format!("{line}\n"));
-    format!("```text\n{}\n## What to change{advice}```\n", lines.collect::<String>())
+    let line = |of: &str| table.lines().filter(|line| line.contains(of)).map(|line| format!("{line}\n")).collect();
+    let [counts, head, failed]: [String; 3] = [" passed, ", "| row |", " **FAIL** "].map(line);
+    let quoted = format!("{counts}\n{head}| --- | --- | --- | --- |\n{failed}\n**What to change**{advice}");
+    quoted.lines().map(|line| format!("> {line}").trim_end().to_owned() + "\n").collect()
 }
 
 /// The page that docs show, and what of it a planted wrong fact changes: `BEAMTICK_WRITE=1` writes
