@@ -369,11 +369,6 @@ fn a_board_that_answers_settles_its_rows_and_a_silent_one_fails_them() {
     }
     let Some(board) = started("BEAMTICK_H743VI_IMAGE", MODULE, None) else { return };
     assert_eq!(answers(&board, "module", false, CRYSTAL), answered());
-    // A UART's port may be another one: silence at it blames no row.
-    let Some(board) = started("BEAMTICK_H743VI_IMAGE", MODULE, Some(Wrong::NoSource)) else { return };
-    let outcome = bring_up_over(Box::new(EmulatedLink::new(board)), &["--answers", "module"]);
-    let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
-    assert!(text.contains("No row of the page is settled by that. Look whether this is the board's port"), "{text}");
     // Over its USB a silent module may have a crystal.
     let Some(board) = started("BEAMTICK_H743VI_IMAGE", MODULE, Some(Wrong::NoSession)) else { return };
     plugged(&board);
@@ -395,6 +390,15 @@ fn a_board_that_answers_settles_its_rows_and_a_silent_one_fails_them() {
         let Err(Failure::Input(text)) = outcome else { panic!("{outcome:?}") };
         assert!(text.contains(why), "{text}");
     }
+}
+
+/// A UART's port may be another one: silence at it blames no row.
+#[test]
+fn a_module_whose_crystal_is_silent_is_reported_and_blames_no_row() {
+    let Some(board) = started("BEAMTICK_H743VI_IMAGE", MODULE, Some(Wrong::NoSource)) else { return };
+    let outcome = bring_up_over(Box::new(EmulatedLink::new(board)), &["--answers", "module"]);
+    let Err(Failure::Job(text)) = outcome else { panic!("{outcome:?}") };
+    assert!(text.contains("No row of the page is settled by that. Look whether this is the board's port"), "{text}");
 }
 
 const STREAM: &str = "the link's stream beside all others";
