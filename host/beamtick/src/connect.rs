@@ -51,9 +51,25 @@ pub fn real_time(tick_us: Option<u32>, profile: ProductProfile) -> Result<(Serve
 /// What a link may be.
 const LINKS: [&str; 4] = ["tcp", "serial", "qemu", "virtual"];
 
+/// The rate of the reference board's ST-LINK.
+const RATE: &str = "3000000";
+
+/// The link that a name of a port alone stands for, with its rate or without.
+fn of_port(name: &str) -> Option<String> {
+    let (port, rate) = name.rsplit_once(':').unwrap_or((name, RATE));
+    let is_com = |port: &str| {
+        let number = port.trim_start_matches("\\\\.\\").to_ascii_uppercase();
+        number.strip_prefix("COM").is_some_and(|number| number.parse::<u16>().is_ok())
+    };
+    let is_port = |port: &str| port.starts_with("/dev/") || is_com(port);
+    let is_rate = !rate.is_empty() && rate.bytes().all(|byte| byte.is_ascii_digit());
+    is_port(port).then(|| format!("serial:{port}:{}", if is_rate { rate } else { RATE }))
+}
+
 /// Fails where a name is none of a link.
 pub fn check(name: &str) -> Result<(), Failure> {
     let (kind, place) = name.split_once(':').map_or((name, None), |(kind, place)| (kind, Some(place)));
+    let port = of_port(name).map(|link| format!("; this is a serial port: --link {link}"));
     let near = || match job::nearest(kind, LINKS.into_iter()).first() {
         Some(known) if *known != kind => format!("; the nearest known word is {known}"),
         _ => String::new(),
@@ -71,7 +87,7 @@ pub fn check(name: &str) -> Result<(), Failure> {
         return Ok(());
     }
     let known = "a link is tcp:HOST:PORT, serial:PATH[:BAUD], qemu or virtual";
-    Err(Failure::Input(format!("--link {name}: {known}{}", near())))
+    Err(Failure::Input(format!("--link {name}: {known}{}", port.unwrap_or_else(near))))
 }
 
 /// The link of this name.

@@ -89,7 +89,7 @@ fn write(folder: &Path, name: &str, text: &str) -> String {
 /// the page.
 #[test]
 fn a_bring_up_that_a_signal_ends_says_so() {
-    const PAGE: &str = "# Bring-up\n\nBoard a, bring-up image b, chip c, by `beamtick bring-up` 0.1.0 on 2026-01-01.\n";
+    const PAGE: &str = include_str!("../../../docs/bring-up-page.md");
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let link = format!("tcp:{}", listener.local_addr().unwrap());
     let folder = tempfile::tempdir().unwrap();
@@ -495,6 +495,61 @@ fn a_signal_under_the_light_of_bring_up_sends_the_byte_that_ends_it() {
             assert!(errors.contains("bring-up was cut short"), "{name}, {answers}: {errors}");
             assert!(errors.contains("The board says that the light has ended"), "{name}, {answers}: {errors}");
             assert_eq!(ends.join().unwrap(), *b"\n");
+        }
+    }
+}
+
+/// The voltages of `bring-up --hands dac` are 0 V after a signal at any of its prompts: a
+/// controller that calls itself a board with an external DAC shows them.
+#[test]
+fn a_signal_at_a_voltage_of_bring_up_sets_both_outputs_to_0() {
+    use virtual_board::{Config, serve};
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.md");
+    for (signal, name, code) in SIGNALS {
+        // Of output 1 the second and the third voltage, of output 2 the third.
+        for (answers, expected) in [(1, [16_383, 0]), (2, [32_767, 0]), (5, [0, 32_767])] {
+            let config = Config { name: "h743zi2-dac8563", ..Config::default() };
+            let board = serve(TcpListener::bind("127.0.0.1:0").unwrap(), None, config).unwrap();
+            let outputs = || {
+                let analog = board.board().lock().unwrap().outputs().analog;
+                [analog[0], analog[1]]
+            };
+            let mut child = Command::new("env")
+                .arg("--default-signal=HUP")
+                .arg(cargo_bin("beamtick"))
+                .args(["bring-up", "--link", &format!("tcp:{}", board.address()), "--hands", "dac"])
+                .args(["--page", page.to_str().unwrap()])
+                .stdin(Stdio::piped())
+                .stdout(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn()
+                .unwrap();
+            let mut hand = child.stdin.take().unwrap();
+            let mut errors = BufReader::new(child.stderr.as_mut().unwrap());
+            for prompt in 0..=answers {
+                let mut said = String::new();
+                while !said.contains("How many volts?") {
+                    assert!(errors.read_line(&mut said).unwrap() > 0, "{said}");
+                }
+                if prompt < answers {
+                    hand.write_all(b"0\n").unwrap();
+                }
+            }
+            // A call is answered before the tick that outputs its voltage.
+            let comes_to = |expected: [i16; 2]| {
+                let since = Instant::now();
+                while outputs() != expected && since.elapsed() < AT_ONCE {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                assert_eq!(outputs(), expected, "{name}, {answers}");
+            };
+            comes_to(expected);
+            let (errors, ended) = signalled(child, signal);
+            assert_eq!(ended, code, "{name}, {answers}: {errors}");
+            assert!(errors.contains("bring-up was cut short"), "{name}, {answers}: {errors}");
+            comes_to([0; 2]);
+            assert!(!page.exists());
         }
     }
 }

@@ -141,6 +141,12 @@ fn what_is_no_job_and_no_link_says_what_it_is() {
             (&["sim", "long.gts"], 2, &["long.gts:1:1", "x…` is not declared"]),
             (&link("vritual"), 2, &[forms, "the nearest known word is virtual"]),
             (&link("serail:/dev/ttyACM0"), 2, &[forms, "the nearest known word is serial"]),
+            (&link("/dev/ttyACM0"), 2, &[forms, "; this is a serial port: --link serial:/dev/ttyACM0:3000000\n"]),
+            (&link("/dev/ttyACM0:9600"), 2, &["; this is a serial port: --link serial:/dev/ttyACM0:9600\n"]),
+            (&link("COM5"), 2, &["--link COM5: ", forms, "; this is a serial port: --link serial:COM5:3000000\n"]),
+            (&["bring-up", "--link", "com12:"], 2, &["; this is a serial port: --link serial:com12:3000000\n"]),
+            (&link("\\\\.\\COM10"), 2, &["serial port: --link serial:\\\\.\\COM10:3000000\n"]),
+            (&link("commode"), 2, &[forms]),
             (&link("tcp:127.0.0.1"), 2, &["--link tcp:127.0.0.1: ", forms]),
             (&["info", "--link", "vritual"], 2, &["the nearest known word is virtual"]),
             (

@@ -31,11 +31,30 @@ fn is_in_use(error: &serialport::Error) -> bool {
     ["exclusive lock", "busy", "access is denied"].iter().any(|part| text.contains(part))
 }
 
-/// What to do about a port that does not open.
-fn what_helps(error: &serialport::Error) -> String {
-    if error.kind() == serialport::ErrorKind::Io(ErrorKind::PermissionDenied) {
-        return "; on Linux the group that owns the port, often dialout, may open it".to_owned();
+/// Why a port does not open, and what to do about it.
+fn why_closed(path: &str, error: &serialport::Error) -> String {
+    if is_other(path, error) {
+        return format!("{path} is no serial port{}", what_there_is());
     }
+    if is_in_use(error) {
+        return "another program, or another card of this one, uses it".to_owned();
+    }
+    if error.kind() == serialport::ErrorKind::Io(ErrorKind::PermissionDenied) {
+        return format!("{error}; on Linux the group that owns the port, often dialout, may open it");
+    }
+    format!("{error}{}", what_there_is())
+}
+
+/// Whether this computer has something else of that name: a file, a folder, a pipe; or a device
+/// without a rate, of which the system says that it is no typewriter (`ENOTTY`).
+fn is_other(path: &str, error: &serialport::Error) -> bool {
+    let text = error.to_string().to_lowercase();
+    let has_no_rate = ["typewriter", "inappropriate ioctl"].iter().any(|part| text.contains(part));
+    has_no_rate || std::fs::metadata(path).is_ok_and(|found| found.is_file() || found.is_dir())
+}
+
+/// Ports that could be meant.
+fn what_there_is() -> String {
     let Ok(ports) = serialport::available_ports() else { return String::new() };
     let (usb, others): (Vec<_>, Vec<_>) =
         ports.into_iter().partition(|port| matches!(port.port_type, SerialPortType::UsbPort(_)));
@@ -91,11 +110,8 @@ impl SerialLink {
     pub fn open(port: &str) -> Result<Self> {
         let name = format!("serial:{port}");
         let (path, baud) = parts(port).map_err(|why| Error::cannot_open(&name, why))?;
-        let port =
-            serialport::new(path, baud).timeout(Duration::from_millis(1)).open().map_err(|e| match is_in_use(&e) {
-                true => Error::cannot_open(&name, "another program, or another card of this one, uses it"),
-                false => Error::cannot_open(&name, format!("{e}{}", what_helps(&e))),
-            })?;
+        let opened = serialport::new(path, baud).timeout(Duration::from_millis(1)).open();
+        let port = opened.map_err(|e| Error::cannot_open(&name, why_closed(path, &e)))?;
         Ok(SerialLink { name, port, baud, since: Instant::now() })
     }
 }
@@ -172,6 +188,23 @@ mod tests {
         assert_eq!((error.code, is_missing("/dev/no-such-port:3000000")), (error::CANNOT_OPEN, true));
         let helps = ["; ports of this computer: ", "; this computer has no serial port now"];
         assert!(helps.iter().any(|text| error.reason.contains(text)), "{error}");
+    }
+
+    /// The system's own words ("Not a typewriter") say nothing to somebody who mistyped a name.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_is_no_serial_port_is_said_to_be_none() {
+        let file = std::env::current_exe().unwrap();
+        let pipe = std::env::temp_dir().join(format!("beamtick-no-port-{}", std::process::id()));
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [file.to_str().unwrap(), pipe.to_str().unwrap(), "/dev", "/dev/null"] {
+            let error = SerialLink::open(&format!("{path}:3000000")).map(|_| ()).unwrap_err();
+            let begin = format!("cannot open serial:{path}:3000000: {path} is no serial port; ");
+            assert!(error.code == error::CANNOT_OPEN && error.reason.starts_with(&begin), "{error}");
+            let helps = ["; ports of this computer: ", "; this computer has no serial port now"];
+            assert!(helps.iter().any(|text| error.reason.contains(text)), "{error}");
+        }
+        std::fs::remove_file(pipe).unwrap();
     }
 
     /// `/dev/null` stands for a port that is there.

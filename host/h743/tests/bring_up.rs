@@ -270,7 +270,7 @@ fn a_page_that_cannot_be_written_is_found_before_the_measurement() {
     assert_eq!(lock(&board).chip.now, began);
     // A run that is cut short leaves the page of before.
     let page = folder.path().join("page.md");
-    let before = "of nobody, by `beamtick bring-up` 0";
+    let before = include_str!("../../../docs/bring-up-page.md");
     std::fs::write(&page, before).unwrap();
     let words = ["--page", page.to_str().unwrap()];
     lock(&board).plant(Wrong::Revision(0x1003));

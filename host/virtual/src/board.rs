@@ -26,9 +26,6 @@ use servo::view::{AxisView, CrdView, Event, LaserView, Sample, View};
 
 /// Ticks after which the thread looks in any case: segments run, samples fill their ring.
 const THREAD_TICKS: u32 = 16;
-/// The name that the board shows.
-const NAME: &str = "virtual";
-
 /// What a virtual controller is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Config {
@@ -39,13 +36,15 @@ pub struct Config {
     pub profile: u8,
     /// What its step outputs make of an axis: pulse/ms, 1 to 2³². Anything else is 2³², full scale.
     pub step_limit: u64,
+    /// The name that the board shows, 16 bytes of it.
+    pub name: &'static str,
 }
 
 impl Default for Config {
     /// Profile `gus` on a board that holds only 8 axes, at the compatible tick of 250 µs, with full
     /// scale.
     fn default() -> Self {
-        Config { tick_us: 250, profile: 0, step_limit: StepLimit::FULL_SCALE.pulses_per_ms() }
+        Config { tick_us: 250, profile: 0, step_limit: StepLimit::FULL_SCALE.pulses_per_ms(), name: "virtual" }
     }
 }
 
@@ -357,7 +356,7 @@ impl<'m, const AXES: usize> Whole<'m, AXES> {
         let (view_in, view_out) = arena.view.split();
         let step_limit = StepLimit::new(config.step_limit).unwrap_or(StepLimit::FULL_SCALE);
         let board = dispatcher::BoardConstants {
-            name: NAME,
+            name: config.name,
             profile: config.profile,
             tick_us: TICKS_US,
             analog_outputs: 8,

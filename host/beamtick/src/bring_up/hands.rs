@@ -5,7 +5,7 @@
 //! failed.
 use super::lines::Figures;
 use super::options::ByHand;
-use super::{measure, own_image, page, uncut};
+use super::{is_silence, measure, own_image, page, uncut};
 use crate::Failure;
 use crate::interrupt::Held;
 use client::Link;
@@ -211,16 +211,21 @@ fn clock(hands: &mut dyn Hands) -> Result<Figures, Failure> {
     )?;
     // From here on a signal ends it through `uncut`, so that no light is left.
     let _held = Held::new();
-    found_by_guard(hands).map_err(|failure| {
-        failure.with(match hands.link().is_ok_and(|mut link| is_dark(&mut *link)) {
+    let link = hands.link()?;
+    found_by_guard(hands, link).map_err(|failure| {
+        let said = match hands.link().is_ok_and(|mut link| is_dark(&mut *link)) {
             true => ". The board says that the light has ended",
+            // A board answers the order before it lights.
+            false if is_silence(&failure) => "",
             false => ". Both lasers may be lit for five minutes: press B2 at the board",
-        })
+        };
+        failure.with(said)
     })
 }
 
-fn found_by_guard(hands: &mut dyn Hands) -> Result<Figures, Failure> {
-    let lit = measure(&mut *hands.link()?, b"lit\n")?;
+fn found_by_guard(hands: &mut dyn Hands, mut link: Box<dyn Link>) -> Result<Figures, Failure> {
+    let lit = measure(&mut *link, b"lit\n")?;
+    drop(link);
     if lit.only::<3>("lit") != Some([1; 3]) {
         return Err(Failure::Job("there is no light: jumper 6 (docs/bring-up.md) is missing".to_owned()));
     }
@@ -381,6 +386,14 @@ mod tests {
             };
             assert_eq!(text, format!("--hands: the standard input has ended{ending}"));
         }
+        // Nothing has answered the order, so nothing has lit; and no port, so nothing heard it.
+        let Err(Failure::Job(text)) = with(&mut GoesAway(vec!["", ""], 1), ByHand::Clock, None) else { panic!() };
+        assert_eq!(text, super::super::NO_ANSWER);
+        let Err(Failure::Job(text)) = with(&mut GoesAway(vec![], 1), ByHand::Clock, None) else { panic!() };
+        assert_eq!(text, "the port is gone");
+        // Whatever has said anything may have heard it.
+        let Err(Failure::Job(text)) = with(&mut GoesAway(vec!["", "noise"], 1), ByHand::Clock, None) else { panic!() };
+        assert!(text.starts_with("5 bytes have come, ") && text.ends_with(PRESS), "{text}");
         // Before there was light nothing is sent: no link is opened.
         let Err(Failure::Input(text)) = with(&mut GoesAway(Vec::new(), 0), ByHand::Clock, None) else { panic!() };
         assert_eq!(text, "--hands: the standard input has ended");

@@ -50,13 +50,19 @@ const PORT: &str =
 const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image: `cargo bring-up`, or copy \
     out/beamtick-bring-up-VERSION.hex (images/ of a release) onto the board's drive; press B2, try again. The link is the \
     ST-LINK's port with its rate, 3000000. LD3 (red) alone: BOOT0 is bridged, or the image refuses the chip, which is no STM32H743 \
-    of revision X or V (assumption 6)";
+    of revision X or V (assumption 6). `ls /dev/ttyACM*` shows ports (macOS: `ls /dev/cu.usbmodem*`)";
 const NO_OWN_IMAGE: &str = "This wants the board's own image, and maybe the bring-up image runs: `cargo flash-board`, or copy \
-    out/beamtick-h743-VERSION.hex (`cargo xtask image`; images/ of a release) onto the board's drive. The link is the ST-LINK's port with its rate, 3000000";
+    out/beamtick-h743-VERSION.hex (`cargo xtask image`; images/ of a release) onto the board's drive. The link is the ST-LINK's port with its rate, 3000000: `ls \
+    /dev/ttyACM*` shows ports (macOS: `ls /dev/cu.usbmodem*`)";
 const NO_FIGURE: &str = "the run has ended, and no row of the page has got a figure. The image and this program do not belong \
     together: build and flash the image anew (`cargo bring-up`), press B2, and give the command again";
 /// What is said where a signal ends the program at once.
 const CUT: &str = "bring-up was cut short: the page is as it was. Press B2 at the board, then give the command again";
+
+/// Whether a run has failed since not a byte has come.
+fn is_silence(failure: &Failure) -> bool {
+    matches!(failure, Failure::Job(text) if text == NO_ANSWER)
+}
 
 /// Runs it over the link that the command line names.
 pub fn run(arguments: &BringUp) -> Result<(), Failure> {
@@ -98,7 +104,7 @@ pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure>
         return loads::over(link, arguments.soak, name);
     }
     if let Some(board) = arguments.answers {
-        return answers::over(Some(link), board, name);
+        return answers::over(link, board, name);
     }
     let mut failed = 0;
     // A signal ends it through `measure`, so that it says what happened.

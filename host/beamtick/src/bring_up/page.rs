@@ -1,79 +1,19 @@
 //! The page: a table of rows, then what to change; and its file. Rows that another run measures are
 //! settled in it later.
 //!
-//! In: figures, the name of a file. Out: Markdown. Owns the file: it gets its name once it is
-//! whole. Fails: a file that cannot be written, before anything is measured.
+//! In: figures, the page before. Out: Markdown. Owns its shape. Fails: a page that lacks a row.
 mod again;
+mod file;
 
 use super::lines::Figures;
 use super::rows::{Row, Verdict, elsewhere, rows};
 use crate::Failure;
-use crate::output::{self, Output};
 use crate::summary::counted as number_of;
 use again::UNKNOWN;
 pub use again::{check_subject, kept};
+pub use file::write;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
-
-/// Writes the page that `make` returns to the file, or prints it without one, and says the second
-/// text. `make` gets what the page says so far. The file stays as it is until the new one is whole.
-pub fn write(name: Option<&Path>, make: impl FnOnce(&str) -> Result<(String, String), Failure>) -> Result<(), Failure> {
-    let Some(name) = name else {
-        let (text, _) = make("")?;
-        say!("{}", text.trim_end());
-        return Ok(());
-    };
-    let named = |failure| match failure {
-        Failure::Input(text) => Failure::Input(format!("--page {text}")),
-        other => other,
-    };
-    output::check(&[], &[("--page", name, false)])?;
-    let before = before(name)?;
-    let (output, mut file) = Output::stream(name).map_err(named)?;
-    let made = make(&before).and_then(|(text, said)| {
-        let failed = |e| Failure::Job(format!("--page {}: cannot be written: {e}", name.display()));
-        file.write_all(text.as_bytes()).map_err(failed)?;
-        Ok(said)
-    });
-    match made {
-        Ok(said) => {
-            output.whole()?;
-            say!("{}: {said}", name.display());
-            Ok(())
-        }
-        Err(failure) => {
-            let mut kept = output.cut_off().to_string();
-            if !before.is_empty() {
-                kept += &format!("\n{} is as it was.", name.display());
-            }
-            Err(failure.with(&kept))
-        }
-    }
-}
-
-/// What a page says, or nothing where none is. Fails where the file is none of ours.
-fn before(name: &Path) -> Result<String, Failure> {
-    if !name.is_file() {
-        return Ok(String::new());
-    }
-    let shown = name.display();
-    let bytes = std::fs::read(name).map_err(|e| Failure::Input(format!("--page {shown}: cannot be read: {e}")))?;
-    let text = as_written(&String::from_utf8_lossy(&bytes));
-    if !text.is_empty() && !text.contains(BY) {
-        return Err(Failure::Input(format!("--page {shown}: that file is no page of bring-up; choose another name")));
-    }
-    Ok(text)
-}
-
-/// As this program writes it: an editor may have changed the ends of lines, or padded cells.
-fn as_written(text: &str) -> String {
-    let cells = |line: &str| match line.trim_end().strip_prefix('|').and_then(|line| line.strip_suffix('|')) {
-        Some(cells) => format!("| {} |", cells.split('|').map(str::trim).collect::<Vec<_>>().join(" | ")),
-        None => line.trim_end().to_owned(),
-    };
-    text.lines().map(|line| cells(line) + "\n").collect()
-}
 
 /// A line that says of what, by which program, and when.
 pub fn dated(of: &str) -> String {
@@ -137,14 +77,14 @@ impl Report {
 
     /// The page.
     pub fn text(&self) -> String {
-        let mut text = String::from("# Bring-up\n\n");
+        let mut text = format!("{TITLE}\n\n");
         let mut put = |line: String| {
             // Writing to a string never fails.
             let _ = writeln!(text, "{line}");
         };
         put(format!("{}\n", dated(&self.of)));
         put(format!("{}. A number in the second column is a row of docs/board-assumptions.md.\n", self.summary()));
-        put("| row | assumption | result | figure |\n| --- | --- | --- | --- |".to_owned());
+        put(format!("{HEAD}\n| --- | --- | --- | --- |"));
         self.judged.iter().for_each(|(row, verdict)| put(cells(row, verdict)));
         if self.failed() > 0 {
             put(format!("\n{ADVICE}\n\n{NO_LASER}\n"));
@@ -155,6 +95,9 @@ impl Report {
     }
 }
 
+/// The first line of a page, and the head of its table.
+const TITLE: &str = "# Bring-up";
+const HEAD: &str = "| row | assumption | result | figure |";
 /// The section of advice.
 const ADVICE: &str = "## What to change";
 /// Stands before the advice.
@@ -181,17 +124,10 @@ fn advice(row: &Row) -> String {
     format!("- {}: {}", row.what, row.remedy)
 }
 
-/// A line of this name says that a fail may have another reason than the board.
-pub const UNPROVEN: &str = "unproven";
-
 /// The page with the rows that these figures settle, and how many of them failed. Where there was
 /// no page, it has all other rows too, as not measured.
 pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failure> {
-    let mut text = if is_page(before) {
-        before.to_owned()
-    } else {
-        format!("{}\n{before}", Report::of(&Figures::default()).text()).trim_end().to_owned() + "\n"
-    };
+    let mut text = if before.is_empty() { Report::of(&Figures::default()).text() } else { before.to_owned() };
     let mut failed = 0;
     for row in elsewhere() {
         let (verdict, default) = ((row.judge)(figures), (row.judge)(&Figures::default()));
@@ -204,12 +140,11 @@ pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failu
                 row.what
             )));
         };
-        // A run that came to nothing takes back nothing that another one has settled. Nor does
-        // silence that may have another reason than the board.
+        // A run that came to nothing takes back nothing that another one has settled.
         let was = line.strip_prefix(&head(row)).unwrap_or_default();
         let has_failed = matches!(verdict, Verdict::Fail(_));
         failed += usize::from(has_failed);
-        let decides = matches!(verdict, Verdict::Pass(_)) || has_failed && figures.all(UNPROVEN).is_empty();
+        let decides = has_failed || matches!(verdict, Verdict::Pass(_));
         if !decides && (was.starts_with("pass ") || was.starts_with("**FAIL** ")) {
             let cells = cells(row, &verdict);
             let is = cells.strip_prefix(&head(row)).unwrap_or_default().trim_end_matches(" |").replace(" | ", ": ");
@@ -228,10 +163,10 @@ pub fn settled(before: &str, figures: &Figures) -> Result<(String, usize), Failu
     Ok((recounted(&text), failed))
 }
 
-/// Whether a page, if it is one, has all rows that other runs settle.
+/// Whether a page, if there is one, has all rows that other runs settle.
 pub fn complete(page: &str) -> Result<(), Failure> {
     let has = |row: &&Row| page.lines().any(|line| line.starts_with(&head(row)));
-    match elsewhere().iter().find(|row| !has(row)).filter(|_| is_page(page)) {
+    match elsewhere().iter().find(|row| !has(row)).filter(|_| !page.is_empty()) {
         None => Ok(()),
         Some(row) => {
             Err(Failure::Input(format!("--page has no row \"{}\": measure by the bring-up image anew", row.what)))
@@ -239,8 +174,14 @@ pub fn complete(page: &str) -> Result<(), Failure> {
     }
 }
 
+/// Whether a text has the shape of a page: its title at first, and after it, in this order, the
+/// line of the board and the program, the counts, and the head of the table.
 fn is_page(text: &str) -> bool {
-    text.contains("\n| row |") && text.lines().any(is_count)
+    let mut lines = text.trim_start().lines();
+    lines.next() == Some(TITLE)
+        && lines.any(|line| line.starts_with("Board ") && line.contains(BY))
+        && lines.any(is_count)
+        && lines.any(|line| line == HEAD)
 }
 
 /// Whether a line has the counts of the results.
@@ -459,13 +400,12 @@ mod tests {
         clock.add("version", vec![0, 1, 0]);
         clock.add("build", vec![0xab]);
         let page = settled(&page, &clock).unwrap().0;
-        let page = with(&page, "soak", &[3600, 9, 0, 1, 0], protocol::SCHEMA);
+        let page = with(&page, "soak", &[3600, 999_999, 0, 1, 0], protocol::SCHEMA);
         let section = dated(&format!("Board nuc, image 0.1.0-{:08x}, over serial", protocol::SCHEMA));
         page.trim_end().to_owned() + "\n\n## Ticks under load\n\n" + &section + "\n\n| a | 21 | pass | b |\n"
     }
 
-    /// What came to nothing takes back no row; silence of a port that may be another device's takes
-    /// back no pass.
+    /// What came to nothing takes back no row.
     #[test]
     fn a_row_outlasts_a_vain_try() {
         let page = page_of_others();
@@ -473,46 +413,8 @@ mod tests {
         let (next, failed) = settled(&page, &figures("halt", &[3000, 3000, 0])).unwrap();
         assert_eq!((next.as_str(), failed), (page.as_str(), 0));
         // A short soak proves nothing.
-        let (next, _) = settled(&page, &figures("soak", &[30, 9, 0, 1, 0])).unwrap();
+        let (next, _) = settled(&page, &figures("soak", &[30, 9000, 0, 1, 0])).unwrap();
         assert_eq!(next, page);
-        let page = with(&page, "answers", &[0, 1, 100], protocol::SCHEMA);
-        let mut silence = figures("answers", &[0, 1, 0]);
-        assert!(line(&settled(&page, &silence).unwrap().0, "USB of the Nucleo answers").contains(" | **FAIL** | "));
-        silence.add(UNPROVEN, Vec::new());
-        let (next, failed) = settled(&page, &silence).unwrap();
-        assert_eq!((next.as_str(), failed), (page.as_str(), 1));
-    }
-
-    /// A file that is none of ours stays, and nobody waits for what no row of the page takes.
-    #[test]
-    fn what_cannot_take_the_result_is_refused_before_anything_is_measured() {
-        let folder = tempfile::tempdir().unwrap();
-        let name = folder.path().join("page.md");
-        let refused = |text: &str| {
-            std::fs::write(&name, text).unwrap();
-            let Err(Failure::Input(why)) = settle(Some(&name), || panic!("it measures")) else { panic!("{text}") };
-            assert_eq!(std::fs::read_to_string(&name).unwrap(), text);
-            why
-        };
-        assert!(refused("my notes\n").contains("page.md: that file is no page of bring-up; choose another name"));
-        let page = page_of_others().replace("| voltages of", "| levels of");
-        assert!(
-            refused(&page).contains("has no row \"voltages of an external DAC\": measure by the bring-up image anew")
-        );
-    }
-
-    /// Whatever ends a measurement, the page before is as it was, and the message says so.
-    #[test]
-    fn a_measurement_that_ends_early_leaves_the_page() {
-        let folder = tempfile::tempdir().unwrap();
-        let name = folder.path().join("page.md");
-        let page = page_of_others();
-        std::fs::write(&name, &page).unwrap();
-        let failed = write(Some(&name), |_| Err(Failure::Job("it ends".to_owned())));
-        let Err(Failure::Job(text)) = failed else { panic!() };
-        assert_eq!(text, format!("it ends\n{} is as it was.", name.display()));
-        assert_eq!(std::fs::read_to_string(&name).unwrap(), page);
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]
@@ -520,11 +422,11 @@ mod tests {
         let page = Report::of(&Figures::default()).text().replace("| voltages of", "| levels of");
         let Err(Failure::Input(text)) = settled(&page, &figures("dac", &[1, 0, 0])) else { panic!() };
         assert!(text.contains("has no row \"voltages of an external DAC\""), "{text}");
-        let (page, failed) = settled("", &figures("dac", &[1, 5000, 4900])).unwrap();
+        let (page, failed) = settled("", &figures("halt", &[3000, 1000, 0])).unwrap();
         assert!(
             failed == 0 && page.starts_with("# Bring-up\n") && page.contains("\n1 row passed, 0 failed, "),
             "{page}"
         );
-        assert_eq!(settled(&page, &figures("dac", &[1, 5000, 4899])).unwrap().1, 1);
+        assert_eq!(settled(&page, &figures("halt", &[3000, -1, 0])).unwrap().1, 1);
     }
 }

@@ -1,6 +1,7 @@
 //! The bring-up image off its bench, and after a lock-up that did not come; the page that docs
 //! show. The image that BEAMTICK_H743_BRING_UP names.
-use super::{board, measure, rows};
+use super::{board, failed, measure, meddled, rows};
+use h743::facts::Wrong;
 use h743::link::lock;
 use h743::{MILLISECOND, Pin};
 
@@ -63,22 +64,53 @@ fn a_lock_up_that_did_not_come_shows_nothing_of_the_one_before() {
     }
 }
 
-/// The page that docs show: `BEAMTICK_WRITE=1` writes it. Its rows and results are those of now;
-/// figures that depend on the build are not compared.
+/// The row of ADEN has no limit, since the image converts either way.
+#[test]
+fn a_converter_that_withdraws_aden_is_a_figure_and_converts() {
+    let Some(board) = board(&[], &[]) else { return };
+    let (outcome, page) = meddled(&board, |machine, _| machine.chip.bus.adc.withdraws = 1);
+    assert_eq!((failed(&page), outcome.is_ok()), (vec![], true), "{page}");
+    assert_eq!(rows(&page)["ADEN right after a calibration"], ("figure", "withdrawn"));
+    assert_eq!(rows(&page)["analog inputs by analog outputs"].0, "pass");
+}
+
+/// What the example says of the page of a board that is not as assumed.
+const FAILS: &str = "## Where a row fails\n\n\
+    The same chip, but TIM15 starts 12 counts late: the test that writes this page plants that. The counts, the row and the\n\
+    advice of that page:\n\n";
+
+/// The lines of a page that a failed row changes, as a quotation: the counts, the row, and what to
+/// change.
+fn of_fails(page: &str) -> String {
+    let (table, advice) = page.split_once("\n## What to change").unwrap();
+    let line = |of: &str| table.lines().filter(|line| line.contains(of)).map(|line| format!("{line}\n")).collect();
+    let [counts, head, failed]: [String; 3] = [" passed, ", "| row |", " **FAIL** "].map(line);
+    let quoted = format!("{counts}\n{head}| --- | --- | --- | --- |\n{failed}\n**What to change**{advice}");
+    quoted.lines().map(|line| format!("> {line}").trim_end().to_owned() + "\n").collect()
+}
+
+/// The page that docs show, and what of it a planted wrong fact changes: `BEAMTICK_WRITE=1` writes
+/// it. Its rows and results are those of now; figures that depend on the build are not compared.
 #[test]
 fn the_example_page_is_what_the_emulated_chip_gives() {
-    let Some(board) = board(&[], &[]) else { return };
-    let (_, page) = measure(&board);
-    println!("{} ms of the chip", lock(&board).chip.now / MILLISECOND);
+    let (Some(good), Some(late)) = (board(&[], &[]), board(&[Wrong::StartsLate(15)], &[])) else { return };
+    let (_, page) = measure(&good);
+    println!("{} ms of the chip", lock(&good).chip.now / MILLISECOND);
+    lock(&late).reset(h743::Cause::Pin);
+    let (_, bad) = measure(&late);
+    assert_eq!(failed(&bad), ["first edges after their tick"], "{bad}");
+    let fails = of_fails(&bad);
     let name = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/bring-up-page.md");
     if std::env::var_os("BEAMTICK_WRITE").is_some() {
         let (title, rest) = page.split_once("\n\n").unwrap();
         let note =
             "An example of [bring-up](bring-up.md): the emulated chip with all jumpers. No board has been measured.";
-        std::fs::write(name, format!("{title}\n\n{note}\n\n{rest}")).unwrap();
+        std::fs::write(name, format!("{title}\n\n{note}\n\n{rest}\n{FAILS}{fails}")).unwrap();
     }
     let example = std::fs::read_to_string(name).unwrap();
+    let (example, example_fails) = example.split_once(FAILS).unwrap();
     let results =
         |page: &str| rows(page).into_iter().map(|(row, (result, _))| format!("{row}: {result}")).collect::<Vec<_>>();
-    assert_eq!(results(&example), results(&page));
+    assert_eq!(results(example), results(&page));
+    assert_eq!(example_fails, fails);
 }

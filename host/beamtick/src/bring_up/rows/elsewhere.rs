@@ -1,6 +1,6 @@
 //! Rows that another run measures than that of the bring-up image: with the board's own image, or
 //! with a hand. Before it each says which option does.
-use super::{Row, Verdict, all_of};
+use super::{Row, Verdict, all_parts};
 use crate::bring_up::answers::CALLS;
 use crate::bring_up::lines::Figures;
 
@@ -72,6 +72,9 @@ const OWN: &str = "the board's own image";
 
 /// A run that is shorter, in s, proves nothing: the errata name no condition.
 const PROVES_S: i64 = 600;
+/// Nor does one with fewer calls a second: its link was not kept busy. One that waits for its
+/// adapter at each call, 16 ms as some do, has 60.
+const BUSY_CALLS_PER_S: i64 = 20;
 
 /// What a link did: over a UART or over USB, as is asked.
 fn soak(figures: &Figures, by_usb: i64, with: &str) -> Verdict {
@@ -82,7 +85,10 @@ fn soak(figures: &Figures, by_usb: i64, with: &str) -> Verdict {
     let figure = format!("{seconds} s, {calls} calls, {lost} frames lost or damaged");
     match lost {
         _ if ended != 0 => Verdict::Fail(format!("the link ended (error {ended}) after {figure}")),
-        0 if seconds < PROVES_S => Verdict::Figure(format!("{figure}: less than {PROVES_S} s prove nothing")),
+        0 if seconds < PROVES_S => Verdict::NotMeasured(format!("{figure}: less than {PROVES_S} s prove nothing")),
+        0 if calls < seconds * BUSY_CALLS_PER_S => {
+            Verdict::NotMeasured(format!("{figure}: less than {BUSY_CALLS_PER_S} calls a second prove nothing"))
+        }
         lost => Verdict::of(lost == 0, figure),
     }
 }
@@ -202,6 +208,9 @@ fn clock(figures: &Figures) -> Verdict {
 
 /// A voltage may be off by so much, in mV: 1 % of 10 V, of the DAC's stage and the meter.
 const OFF_MV: i64 = 100;
+/// Voltages at each of two outputs: zero, half and full scale show offset, gain and a code that is
+/// shifted by a bit.
+const VOLTAGES_MV: [i64; 3] = [0, 5000, 10_000];
 
 fn dac(figures: &Figures) -> Verdict {
     let Some(lines) = figures.each::<3>("dac") else {
@@ -211,5 +220,55 @@ fn dac(figures: &Figures) -> Verdict {
     let wrong = lines.iter().filter(|[_, set, is]| (set - is).abs() > OFF_MV);
     let wrong =
         wrong.map(|[output, set, is]| format!("output {output}: {} V for {} V", volts(*is), volts(*set))).collect();
-    all_of(wrong, &format!("{} voltages within {OFF_MV} mV", lines.len()))
+    let asked = [1, 2].into_iter().flat_map(|output| VOLTAGES_MV.map(|mv| (output, mv)));
+    let is_missing = |(output, mv): &(i64, i64)| !lines.iter().any(|line| line[..2] == [*output, *mv]);
+    let missing = asked.filter(is_missing).map(|(output, mv)| {
+        (format!("output {output}, {} V", volts(mv)), Verdict::NotMeasured("`bring-up --hands dac` asks for it".into()))
+    });
+    all_parts(wrong, &format!("{} voltages within {OFF_MV} mV", lines.len()), missing.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str, lines: &[&[i64]]) -> Figures {
+        let mut figures = Figures::default();
+        lines.iter().for_each(|line| figures.add(name, line.to_vec()));
+        figures
+    }
+
+    /// Voltages that nobody has measured are no good ones; a wrong one fails all the same.
+    #[test]
+    fn a_dac_passes_with_all_its_voltages_only() {
+        let all: [&[i64]; 6] =
+            [&[1, 0, 9], &[1, 5000, 4900], &[1, 10_000, 10_100], &[2, 0, -9], &[2, 5000, 5000], &[2, 10_000, 9900]];
+        assert_eq!(dac(&of("dac", &all)), Verdict::Pass("6 voltages within 100 mV".into()));
+        let why = "output 2, 10 V: `bring-up --hands dac` asks for it; measured: 5 voltages within 100 mV";
+        assert_eq!(dac(&of("dac", &all[..5])), Verdict::NotMeasured(why.into()));
+        // One that is measured twice is no other one.
+        assert!(matches!(dac(&of("dac", &[all[0]; 6])), Verdict::NotMeasured(_)));
+        let wrong = dac(&of("dac", &[&[1, 5000, 4899]]));
+        assert_eq!(wrong, Verdict::Fail("output 1: 4.899 V for 5 V".into()));
+    }
+
+    /// A crystal that stops, or a link that does, is no good one.
+    #[test]
+    fn a_board_that_answers_for_a_while_fails() {
+        let of = |calls| crystal(&of("answers", &[&[1, 0, calls]]));
+        assert_eq!(of(100), Verdict::Pass("100 calls answered".into()));
+        assert_eq!(of(99), Verdict::Fail("99 calls answered, then none".into()));
+    }
+
+    /// A soak that is short, or of few calls, proves nothing, unless it has lost frames.
+    #[test]
+    fn a_soak_passes_if_it_was_long_and_busy() {
+        let of = |seconds, calls, lost| stream(&of("soak", &[&[seconds, calls, lost, 0, 0]]));
+        assert_eq!(of(600, 12_000, 0), Verdict::Pass("600 s, 12000 calls, 0 frames lost or damaged".into()));
+        let short = "599 s, 90000 calls, 0 frames lost or damaged: less than 600 s prove nothing";
+        assert_eq!(of(599, 90_000, 0), Verdict::NotMeasured(short.into()));
+        let idle = "600 s, 11999 calls, 0 frames lost or damaged: less than 20 calls a second prove nothing";
+        assert_eq!(of(600, 11_999, 0), Verdict::NotMeasured(idle.into()));
+        assert_eq!(of(1, 2, 1), Verdict::Fail("1 s, 2 calls, 1 frames lost or damaged".into()));
+    }
 }

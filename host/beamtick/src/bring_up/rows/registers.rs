@@ -414,6 +414,8 @@ const USB_PERCENT: f64 = 0.25;
 /// (DS12110, HSI48 characteristics, from memory); ±4 % in AN6202, of the STM32H5.
 const HSI48_PERCENT: f64 = 5.0;
 
+/// No limit: the image sets ADEN until ADRDY, so it converts whatever the chip does here. That it
+/// converts is judged by the loop of the analog inputs.
 fn aden(figures: &Figures) -> Verdict {
     match figures.only("aden") {
         None => Verdict::missing("aden"),
