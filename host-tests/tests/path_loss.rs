@@ -18,10 +18,10 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use virtual_board::{Output, Shared, VirtualLink};
 
-const TICK: u64 = 50_000;
+const TICK_NS: u64 = 50_000;
 const MS: u64 = 1_000_000;
 /// After the loss, ms: longer than any braking.
-const DARK: u64 = 400;
+const DARK_AFTER_MS: u64 = 400;
 
 struct Path {
     /// The set-up, and the entries of each motion.
@@ -136,7 +136,7 @@ impl Link for Over {
         while board.now() < end {
             let tick = board.now();
             while board.now() == tick {
-                board.advance(TICK, &mut nowhere);
+                board.advance(TICK_NS, &mut nowhere);
             }
             let place = [0, 1].map(|axis| board.set_point(axis) as f64 / f64::from(1 << 22));
             self.road.lock().unwrap().places.push(place);
@@ -181,14 +181,14 @@ fn dark(before: &[(u64, bool)], after: &[(u64, bool)], lost: u64) -> Result<(), 
     let reported = || format!("lost at {lost}: light {before:?}, then {after:?}");
     let good = before.last().is_some_and(|edge| edge.1)
         && after.len() == 2
-        && after.iter().all(|&(at, on)| !on && (lost..=lost + 2 * TICK).contains(&at));
+        && after.iter().all(|&(at, on)| !on && (lost..=lost + 2 * TICK_NS).contains(&at));
     if good { Ok(()) } else { Err(reported()) }
 }
 
 /// It brakes along its way from tick `lost` on, no harder than a Stop does and no longer. The
 /// hardest, as a part of that.
 fn brakes(path: &Path, places: &[[f64; 2]], lost: usize) -> Result<f64, String> {
-    let tick = TICK as f64 / 1e6;
+    let tick = TICK_NS as f64 / 1e6;
     let ways = ways(&path.points, places)?;
     let speed = |k: usize| (ways[k + 1] - ways[k]) / tick;
     let rest = (0..places.len()).rev().find(|&k| places[k] != places[places.len() - 1]).map_or(0, |k| k + 1);
@@ -236,7 +236,7 @@ fn readable(client: &Client, at: [f64; 2]) -> Result<(), String> {
 
 fn machine(limit: u64) -> (Machine, Arc<Mutex<Road>>) {
     let road: Arc<Mutex<Road>> = Arc::default();
-    let machine = Machine::over(Family::Gus, TICK as i64, |board| {
+    let machine = Machine::over(Family::Gus, TICK_NS as i64, |board| {
         Box::new(Over { link: VirtualLink::new(board.clone()), board, road: Arc::clone(&road) })
     });
     machine.client.call(SetLinkLoss { time_ms: (limit as i32).into(), stop_all: 0.into() }).unwrap();
@@ -263,12 +263,12 @@ fn left(chance: &mut Chance, path: &Path) -> Result<f64, String> {
     }
     let cut = machine.board.lock().unwrap().now();
     road.lock().unwrap().cut = Some(cut);
-    client.sleep(Duration::from_millis(limit + DARK)).unwrap();
+    client.sleep(Duration::from_millis(limit + DARK_AFTER_MS)).unwrap();
     let Road { heard, places, .. } = std::mem::take(&mut *road.lock().unwrap());
     let mut after = Vec::new();
     done += take(&machine.board, &mut after);
     dark(&lit, &after, heard + limit * MS)?;
-    let hardest = brakes(path, &places, ((heard + limit * MS).saturating_sub(cut) / TICK) as usize)?;
+    let hardest = brakes(path, &places, ((heard + limit * MS).saturating_sub(cut) / TICK_NS) as usize)?;
     readable(client, places[places.len() - 1])?;
     // On to the end.
     client.call(ClrLaserFault { core: 1.into(), channel: 0.into() }).unwrap();
@@ -321,7 +321,7 @@ fn streaming(chance: &mut Chance, path: &Path) -> Result<f64, String> {
     let (before, after): (Vec<_>, Vec<_>) = all.into_iter().partition(|edge| edge.0 < lost);
     dark(&before, &after, lost).map_err(|reported| format!("{failed}: {reported}"))?;
     let places = std::mem::take(&mut road.lock().unwrap().places);
-    let hardest = brakes(path, &places, (lost.saturating_sub(cut) / TICK) as usize)?;
+    let hardest = brakes(path, &places, (lost.saturating_sub(cut) / TICK_NS) as usize)?;
     // The host ends its session and opens another one.
     road.lock().unwrap().cut = None;
     let Machine { board, client: gone, .. } = machine;

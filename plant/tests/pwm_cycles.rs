@@ -2,7 +2,7 @@
 //!
 //! The timer here is the plainest one: it counts one cycle after the other. The model,
 //! [`OutputStage`], has no cycles. Pulses of a steady train may come in another order than the
-//! model's within a tick (SPEC 11): the longer periods of [`TOGETHER`] come first.
+//! model's within a tick (SPEC 11): the longer periods of [`TOGETHER_PERIODS`] come first.
 #[path = "../../servo/tests/chance/mod.rs"]
 mod chance;
 
@@ -17,11 +17,11 @@ use std::sync::atomic::AtomicU32;
 const MHZ: u16 = 240;
 const SCALE: Scale = Scale::of_mhz(MHZ);
 /// 100 µs.
-const FINISH: u64 = 24_000;
+const FINISH_COUNTS: u64 = 24_000;
 /// Periods that are put in order at once, and how far the first half of them takes a pulse from its
 /// place: n/2 of n periods are one count longer, where the mean is half a count.
-const TOGETHER: usize = 256;
-const SHIFT: u64 = TOGETHER as u64 / 4;
+const TOGETHER_PERIODS: usize = 256;
+const SHIFT_COUNTS: u64 = TOGETHER_PERIODS as u64 / 4;
 
 struct Random {
     chance: Chance,
@@ -202,7 +202,7 @@ fn held() -> DelayLine {
 }
 
 /// Instant at which the first cycles begin: before it the plans are empty.
-const BEGIN: u64 = 336;
+const BEGIN_COUNTS: u64 = 336;
 
 /// A channel's pulses from cycles and from the model.
 struct Compared {
@@ -217,10 +217,10 @@ struct Compared {
 
 /// Over so many ticks.
 fn energy(random: &mut Random, ticks: usize) -> Compared {
-    let (mut cycles, mut held) = (PwmCycles::from(BEGIN, SCALE), held());
-    let (mut stage, mut scope) = (OutputStage::counting(FINISH), Scope::default());
+    let (mut cycles, mut held) = (PwmCycles::from(BEGIN_COUNTS, SCALE), held());
+    let (mut stage, mut scope) = (OutputStage::counting(FINISH_COUNTS), Scope::default());
     let (mut got, mut ends) = (Pulses::new(), Vec::new());
-    let mut queued = Queued { end: BEGIN, last: [168, 168], least: PWM_MIN_COUNTS, count: 0 };
+    let mut queued = Queued { end: BEGIN_COUNTS, last: [168, 168], least: PWM_MIN_COUNTS, count: 0 };
     let mut lasts = 50_000;
     let (mut from, mut worst) = (counts(lasts), 0);
     for tick in 0..ticks {
@@ -273,9 +273,9 @@ fn without_lost(pulses: &[(u64, u64)]) -> Pulses {
     kept
 }
 
-/// The first pulse of `got` that is not that of the model. It may be up to [`SHIFT`] from its place
-/// and a count wider or narrower. Within the periods that are put in order, one is at its place
-/// again, and all light up to there is the same.
+/// The first pulse of `got` that is not that of the model. It may be up to [`SHIFT_COUNTS`] from
+/// its place and a count wider or narrower. Within the periods that are put in order, one is at its
+/// place again, and all light up to there is the same.
 fn differs(model: &[(u64, u64)], got: &[(u64, u64)]) -> Option<usize> {
     let (mut light, mut away) = (0, None);
     for (n, (model, got)) in model.iter().zip(got).enumerate() {
@@ -284,7 +284,7 @@ fn differs(model: &[(u64, u64)], got: &[(u64, u64)]) -> Option<usize> {
         }
         let since = *away.get_or_insert(n);
         let widths = (model.1 - model.0).abs_diff(got.1 - got.0);
-        if n - since > TOGETHER || model.0.abs_diff(got.0) > SHIFT || widths > 1 {
+        if n - since > TOGETHER_PERIODS || model.0.abs_diff(got.0) > SHIFT_COUNTS || widths > 1 {
             return Some(n);
         }
         light += (got.1 - got.0) as i64 - (model.1 - model.0) as i64;
@@ -347,8 +347,8 @@ fn a_train_that_begins_after_a_pause_begins_at_once() {
         for (at, action) in (0..).zip(pauses.into_iter().chain(goes_on)) {
             plan.add(at * 20_000, action);
         }
-        let mut cycles = PwmCycles::from(BEGIN, SCALE);
-        let (from, mut queued, mut got) = (counts(50_000), BEGIN, Pulses::new());
+        let mut cycles = PwmCycles::from(BEGIN_COUNTS, SCALE);
+        let (from, mut queued, mut got) = (counts(50_000), BEGIN_COUNTS, Pulses::new());
         cycles.take(from, from + counts(250_000), plan.actions().iter().copied(), &mut |length, light, times| {
             for _ in 0..times {
                 note(&mut got, queued, queued + u64::from(light));
@@ -364,11 +364,11 @@ fn a_train_that_begins_after_a_pause_begins_at_once() {
 
 /// Both switches' edges from cycles and from the models.
 fn switches(random: &mut Random, ticks: usize) -> ([Pulses; 2], [Pulses; 2], u64) {
-    let (mut cycles, mut held) = (GateCycles::from(BEGIN, SCALE), held());
-    let mut stages = [OutputStage::counting(FINISH), OutputStage::counting(FINISH)];
+    let (mut cycles, mut held) = (GateCycles::from(BEGIN_COUNTS, SCALE), held());
+    let mut stages = [OutputStage::counting(FINISH_COUNTS), OutputStage::counting(FINISH_COUNTS)];
     let mut scopes = [Scope::default(), Scope::default()];
     let mut got = [Pulses::new(), Pulses::new()];
-    let mut queued = Queued { end: BEGIN, last: [168, 168], least: GATE_MIN_COUNTS, count: 0 };
+    let mut queued = Queued { end: BEGIN_COUNTS, last: [168, 168], least: GATE_MIN_COUNTS, count: 0 };
     let mut lasts = 50_000;
     let (mut from, mut worst) = (counts(lasts), 0);
     for tick in 0..=ticks {
@@ -447,8 +447,8 @@ fn the_switches_are_the_models_to_a_count() {
 /// tick has queued; for as many counts at least.
 fn carried_out(train: Train, whole: u64) -> (Pulses, Vec<u64>) {
     let lasts = 250_000;
-    let mut cycles = PwmCycles::from(BEGIN, SCALE);
-    let (mut from, mut queued) = (counts(lasts), BEGIN);
+    let mut cycles = PwmCycles::from(BEGIN_COUNTS, SCALE);
+    let (mut from, mut queued) = (counts(lasts), BEGIN_COUNTS);
     let begin = from;
     let (mut pulses, mut ends) = (Pulses::new(), Vec::new());
     let mut plan = LaserPlan::EMPTY;
@@ -472,7 +472,7 @@ fn carried_out(train: Train, whole: u64) -> (Pulses, Vec<u64>) {
 
 /// Every frequency from 1 Hz to 2 MHz and every duty (SPEC 11). The train's own numbers are within
 /// 1 ppm and 0.001 %. In every tick the sums of its periods and of its light are right to a count.
-/// Between, a pulse is at most [`SHIFT`] counts late: 0.3 ppm of a second.
+/// Between, a pulse is at most [`SHIFT_COUNTS`] counts late: 0.3 ppm of a second.
 #[test]
 fn frequencies_and_duties_are_exact_in_the_mean() {
     let clock = Clock::from_mhz(MHZ).unwrap();
@@ -520,8 +520,8 @@ fn frequencies_and_duties_are_exact_in_the_mean() {
                 for (n, &(begin, end)) in (0..).zip(pulses.iter().rev().skip(1).rev()) {
                     let apart = begin.checked_sub(sum(period, n)).expect("a pulse before its place");
                     late = late.max(apart);
-                    assert!(apart <= SHIFT && (end - begin).abs_diff(width.whole) <= 1, "{name}: pulse {n}");
-                    assert!(sum(width, n).abs_diff(lit) <= SHIFT, "{name}: {lit} of light before pulse {n}");
+                    assert!(apart <= SHIFT_COUNTS && (end - begin).abs_diff(width.whole) <= 1, "{name}: pulse {n}");
+                    assert!(sum(width, n).abs_diff(lit) <= SHIFT_COUNTS, "{name}: {lit} of light before pulse {n}");
                     let (exact, queues) = (apart == 0 && sum(width, n) == lit, ends.get(placed));
                     // The first pulse that no tick before has queued is at its place.
                     if queues.is_some_and(|queued| begin >= *queued) {
@@ -535,7 +535,7 @@ fn frequencies_and_duties_are_exact_in_the_mean() {
         }
     }
     println!("{pulses_seen} pulses, at most {late} counts late");
-    assert!(pulses_seen > 200_000 && late > SHIFT / 2, "{pulses_seen}, {late}");
+    assert!(pulses_seen > 200_000 && late > SHIFT_COUNTS / 2, "{pulses_seen}, {late}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::staged::Staged;
 use crate::board::BoardConstants;
 use crate::configuration::{Configuration, ones};
 use crate::refuse::{Admitted, Refused, bits_of, choice, latched};
-use crate::report::answer::{Answer, TAKEN_MAX};
+use crate::report::answer::{Answer, TAKEN_MAX_VALUES};
 use crate::report::replies::mode_number;
 use crate::report::trace::TraceColumns;
 use crate::shadow::{AxisShadow, CrdParameters, CrdShadow, ShadowChange, Shadows, executed, is_in_flight};
@@ -84,7 +84,7 @@ pub enum Effect {
     /// A trace of these axes, in a stream of its own or over the link.
     Trace { every: u32, columns: TraceColumns, over_link: bool },
     /// The values of [`Answer::Took`] that its lane keeps until then.
-    Took([f64; TAKEN_MAX]),
+    Took([f64; TAKEN_MAX_VALUES]),
     /// The items of this LoadConfig are pushed one by one.
     Config,
 }

@@ -89,7 +89,7 @@ const PLANS_PER_QUEUE: usize = 4;
 /// This part of the motions leaves under one plan where their speeds are not final.
 const BATCH_PARTS: usize = 32;
 /// Lowest speed (pulse/ms) and acceleration (pulse/ms²) of a motion.
-pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
+pub const SPEED_MIN_PULSES_PER_MS: f64 = 1.0 / 1048576.0;
 
 /// A line, or an arc in a plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -397,10 +397,10 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
             _ => (Course::Line, direction.map(|x| x as f32)),
         };
         WaitingMotion {
-            vel: vel.max(ALONG_MIN),
+            vel: vel.max(SPEED_MIN_PULSES_PER_MS),
             shape,
             length: geometry.length as f32,
-            acc: acc.max(ALONG_MIN) as f32,
+            acc: acc.max(SPEED_MIN_PULSES_PER_MS) as f32,
             high: f32::NAN,
             course,
             ..WaitingMotion::EMPTY
@@ -550,7 +550,8 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
         }
         let ends = [self.begin, end].map(EndSpeed::of);
         let ChosenMotion { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel);
-        let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), ends[1].speed].map(f64::to_bits);
+        let bits =
+            [vel.max(SPEED_MIN_PULSES_PER_MS), acc.max(SPEED_MIN_PULSES_PER_MS), ends[1].speed].map(f64::to_bits);
         let along = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok()?.with_ramp(ramp);
         let others = motion.others;
         if self.has_unsure() && self.unsure.slot == self.first {

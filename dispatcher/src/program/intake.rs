@@ -20,7 +20,7 @@ use crate::admit::staged::STAGED_MAX_BUT_RESET;
 use crate::admit::written::Written;
 use crate::admit::{kind, one};
 use crate::refuse::{Admitted, Refused};
-use crate::report::answer::{Answer, POINTS_MAX, TAKEN_MAX};
+use crate::report::answer::{Answer, MAX_POINTS, TAKEN_MAX_VALUES};
 use crate::report::pending_replies::{Awaiting, RecordOutcome};
 use crate::shadow::{ShadowChange, seq_after, seq_from};
 use protocol::command::{CommandKind, ProgramEnd, Sleep, WaitStop, class, opcode};
@@ -73,7 +73,8 @@ impl Program<'_> {
     /// Whether a command other than Reset has room after the pending commits. Data adds at most
     /// one commit.
     fn has_room(&self) -> bool {
-        self.lane.room() >= STAGED_MAX_BUT_RESET + self.pending_commits.count() && self.replies.has_room(TAKEN_MAX)
+        self.lane.room() >= STAGED_MAX_BUT_RESET + self.pending_commits.count()
+            && self.replies.has_room(TAKEN_MAX_VALUES)
     }
 
     /// Whether a record from the wire may be admitted directly: it is data, and no record waits.
@@ -161,7 +162,7 @@ impl Program<'_> {
                 return self.take_joined(poll.admission, view, head, advance);
             }
             number if kind(number) == Some(CommandKind::Calculate) => {
-                if !self.replies.has_room(POINTS_MAX) {
+                if !self.replies.has_room(MAX_POINTS) {
                     return Ok(RecordOutcome::Wait);
                 }
                 let mut count = 0;

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 /// Most passes.
-const PASSES: i64 = 1000;
+const MAX_PASSES: i64 = 1000;
 
 /// A stroke's colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,7 @@ pub(crate) fn checked(
         None => return Err(missing("speed")),
         Some(value) => within(value, 0.001..=1e7, "mm/min")?,
     };
-    let passes = keys.passes.as_ref().map_or(Ok(1), |value| whole(value, 1..=PASSES, ""))?;
+    let passes = keys.passes.as_ref().map_or(Ok(1), |value| whole(value, 1..=MAX_PASSES, ""))?;
     let colour = keys.colour.as_ref().map(colour).transpose()?;
     Ok(Layer {
         name: keys.name.clone().unwrap_or_else(|| format!("layer {}", before + 1)),

@@ -45,11 +45,11 @@ use inputs::Inputs;
 
 /// Scans until an axis that was changed prepares its next start: commands that belong together have
 /// come by then.
-const UNPREPARED: u8 = 2;
+const UNPREPARED_SCANS: u8 = 2;
 /// Segments of one static FIFO.
-const FIFO: u32 = SEGMENTS as u32 / 2;
+const FIFO_SEGMENTS: u32 = SEGMENTS as u32 / 2;
 /// Slots of the dynamic ring, less one.
-const RING_MASK: u32 = 2 * FIFO - 1;
+const RING_MASK: u32 = 2 * FIFO_SEGMENTS - 1;
 /// The negative edge of travel.
 const NEGATIVE_EDGE: Pos = Pos(-Pos::TRAVEL.0);
 
@@ -176,7 +176,7 @@ impl AxisState {
     #[inline]
     pub(crate) fn mark_changed(&mut self) {
         self.changed();
-        (self.scan, self.changed, self.unprepared) = (InputScan::None, true, UNPREPARED);
+        (self.scan, self.changed, self.unprepared) = (InputScan::None, true, UNPREPARED_SCANS);
         self.profile.discard_prepared();
     }
 

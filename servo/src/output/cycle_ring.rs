@@ -9,7 +9,7 @@
 use core::sync::atomic::{AtomicU16, Ordering};
 
 /// Slots that are made dark at once before a start.
-const AT_ONCE: usize = 64;
+const DARK_AT_ONCE_SLOTS: usize = 64;
 
 /// A slot: length − 1, repetitions − 1, and compare registers.
 type Slot<const WORDS: usize> = [AtomicU16; WORDS];
@@ -57,7 +57,7 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
 
     /// Before a start: makes some more slots dark; true once all are.
     pub fn clear(&mut self) -> bool {
-        let end = self.lit.wrapping_add(AT_ONCE).min(SLOTS);
+        let end = self.lit.wrapping_add(DARK_AT_ONCE_SLOTS).min(SLOTS);
         Self::darken(self.slots.get(self.lit..end), self.dark);
         self.lit = end;
         end == SLOTS

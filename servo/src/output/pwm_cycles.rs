@@ -12,7 +12,7 @@ use super::cycles::{CYCLE_MAX_COUNTS, LATE_MIN_CYCLES, Lengths, Scale};
 use crate::laser::{Action, FINISH_NS, Pattern, PulseRate, Train};
 
 /// The end of a period that is paused.
-const NEVER: u64 = u64::MAX;
+const NEVER_COUNTS: u64 = u64::MAX;
 
 /// The shortest cycle, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
 pub const MIN_COUNTS: u32 = 84;
@@ -117,7 +117,7 @@ impl PwmCycles {
         }
         self.train = *train;
         if self.runs && !train.is_none() {
-            if self.period_end == NEVER {
+            if self.period_end == NEVER_COUNTS {
                 // The remainder of a pause is not where another train begins.
                 self.begins = at;
             }
@@ -129,7 +129,7 @@ impl PwmCycles {
     /// Pulses go on at another rate, in phase, or pause.
     #[inline(never)]
     fn take_rate(&mut self, at: u64, rate: &PulseRate) {
-        let is_paused = self.runs && self.period_end == NEVER;
+        let is_paused = self.runs && self.period_end == NEVER_COUNTS;
         let left = match (self.runs, is_paused) {
             (false, _) => 0,
             // The remainder of a paused period is stored where none begins.
@@ -139,7 +139,7 @@ impl PwmCycles {
         self.train = rate.train();
         if rate.is_pause() {
             if self.runs {
-                (self.begins, self.period_end) = (left, NEVER);
+                (self.begins, self.period_end) = (left, NEVER_COUNTS);
             }
             return;
         }

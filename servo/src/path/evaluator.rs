@@ -41,7 +41,7 @@ pub const EFFECTS: u32 = 32;
 /// Instants of a tick at which they take effect.
 pub(crate) const INSTANTS: u32 = 8;
 /// Motions entered in a tick; the same holds.
-const MOTIONS: u32 = 32;
+const TICK_MOTIONS: u32 = 32;
 /// The present state of the path.
 #[derive(Debug, Clone, Copy)]
 enum PathStage {
@@ -270,7 +270,7 @@ struct WalkBudget {
 impl WalkBudget {
     /// Of a tick; the path goes on at its end if this is not enough.
     fn new(hold: FineNs) -> WalkBudget {
-        WalkBudget { effects: EFFECTS, instants: INSTANTS, last: FineNs::MAX, motions: MOTIONS, hold }
+        WalkBudget { effects: EFFECTS, instants: INSTANTS, last: FineNs::MAX, motions: TICK_MOTIONS, hold }
     }
 
     /// Whether an effect of this load at this instant is carried out in this tick.

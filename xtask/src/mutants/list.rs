@@ -335,8 +335,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "the watchdog is fed although the link task stands still",
         "firmware/src/supervision.rs",
-        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TURN",
-        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TURN << 12",
+        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TASK_TURN_UNITS",
+        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TASK_TURN_UNITS << 12",
         FAULTS,
     ),
     mutant("nothing guards the stack", MPS2, "guard::below(&mut core.MPU, STACK, 0);", "", FAULTS),

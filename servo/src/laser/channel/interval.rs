@@ -14,9 +14,9 @@ use crate::units::Ns;
 
 /// Actions that an instant may need in a plan: an end of light and a beginning, a switch edge, a
 /// voltage.
-const ROOM: usize = 4;
+const INSTANT_ACTIONS: usize = 4;
 /// Instants in a tick at which something happens, apart from its beginning.
-const EVENTS: u32 = PLAN_ACTIONS as u32;
+const INTERVAL_INSTANTS: u32 = PLAN_ACTIONS as u32;
 
 impl Channel {
     /// Plans the interval of `period` from `next` on.
@@ -163,10 +163,10 @@ impl Channel {
     /// The edges and events within the interval.
     #[inline(never)]
     fn walk(&mut self, next: Ns, end: Ns, around: &FollowInputs<impl Positions>, plan: &mut LaserPlan) {
-        let mut left = EVENTS;
+        let mut left = INTERVAL_INSTANTS;
         while self.next_edge < end {
             self.changed |= changed::MOVED;
-            if left == 0 || !plan.has_room(ROOM) {
+            if left == 0 || !plan.has_room(INSTANT_ACTIONS) {
                 return self.trip(Cause::Edges);
             }
             left = left.wrapping_sub(1);

@@ -202,7 +202,7 @@ impl Filter {
 /// u¹³/14! are less than 2⁻⁶⁸. The longest period is less than a quarter of 2²² ns.
 pub(crate) fn share(u: u64) -> u64 {
     /// 1/14 to 1/2, 2⁻⁶⁴.
-    const PARTS: [u64; 13] = {
+    const RECIPROCALS_Q64: [u64; 13] = {
         let mut parts = [0; 13];
         let mut i = 0;
         while i < 13 {
@@ -211,7 +211,7 @@ pub(crate) fn share(u: u64) -> u64 {
         }
         parts
     };
-    PARTS.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
+    RECIPROCALS_Q64.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
 }
 
 #[cfg(test)]
