@@ -79,8 +79,8 @@ impl<const N: usize> Ahead<N> {
             self.others -= 1;
             return self.waiting.pop_front().map(|entry| Taken { entry, ms: 0.0 });
         }
-        let Planned { along, ms, others } = self.look.take(now)?;
-        self.others = others;
+        let Planned { along, ms, entries_after } = self.look.take(now)?;
+        self.others = entries_after;
         self.waiting.pop_front().map(|entry| Taken { entry: entry.with_speeds(along), ms })
     }
 

@@ -277,10 +277,10 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     }
     /// Whether an entry of a path that runs may set the axis off before this command acts.
     fn may_set_off(&self, axis: Axis, runs: bool) -> bool {
-        let aside = self.shadow(axis).aside;
+        let aside = self.shadow(axis).moved_by_entry;
         let may = |crd: Crd| {
             let (shadow, sampled) = (self.crd_shadow(crd), self.crd_sampled(crd));
-            shadow.beside.has(axis) && (self.crd_may_run(crd) || aside && shadow.is_busy(self.view, sampled))
+            shadow.extra_axes.has(axis) && (self.crd_may_run(crd) || aside && shadow.is_busy(self.view, sampled))
         };
         let is_next = self.due.until_ns < self.view.period.0;
         if is_next { runs && (aside || Crd::all().any(may)) } else { runs && aside || Crd::all().any(may) }
@@ -290,7 +290,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     pub fn position(&self, axis: Axis) -> Option<Pos> {
         let may = |crd: Crd| {
             let shadow = self.crd_shadow(crd);
-            shadow.beside.has(axis) && shadow.is_busy(self.view, self.crd_sampled(crd))
+            shadow.extra_axes.has(axis) && shadow.is_busy(self.view, self.crd_sampled(crd))
         };
         if Crd::all().any(may) { None } else { self.shadow(axis).position(self.view, self.sampled(axis)) }
     }

@@ -156,7 +156,7 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
         let pos = context.position(axis)?;
         let zero = if frame.set_origin {
             Pos::pulses(frame.origin.get(axis.index() - usize::from(frame.first)).copied().unwrap_or(0))
-        } else if is_framed || of.placed.is_none_or(|(seq, _)| executed(context.view, seq)) {
+        } else if is_framed || of.position_set.is_none_or(|(seq, _)| executed(context.view, seq)) {
             // A SetCrdPrm that precedes what made the position unknown has been executed with it.
             sampled_zero
         } else {
@@ -219,7 +219,7 @@ pub fn start<const AXES: usize>(
             let queue = &mut queues[usize::from(fifo)];
             queue.update_cleared(context.crd_shadow(crd).path(fifo).cleared);
             if queue.waiting() > 0 {
-                queue.settle(&stores[usize::from(fifo)]);
+                queue.release_final(&stores[usize::from(fifo)]);
                 queue.begin(stores, context.crd_sampled(crd), fifo);
                 let (command, change) = context.shadows.commit_of_path(crd, fifo, queue.end());
                 context.stage_with(command, change);

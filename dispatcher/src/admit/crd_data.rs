@@ -374,7 +374,7 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths, (target, wh
                 }
             }
             if let EntryKind::Gear(axis, _) | EntryKind::Move(axis) = *kind {
-                data.beside.0 |= axis.mask().0;
+                data.extra_axes.0 |= axis.mask().0;
             }
             let ms = if let EntryKind::Delay(ms) = *kind { ms } else { 0.0 };
             filling.has_room(1)?;

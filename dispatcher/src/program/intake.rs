@@ -42,13 +42,13 @@ impl Program<'_> {
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
             if self.run.end.is_some() || !self.has_room() || self.records.front().is_none() {
-                self.settle(poll);
+                self.pause_admission(poll);
                 return progress;
             }
             // One place at a time would take a commit each.
             let waits = |full| poll.admission.drains(view, full) && poll.admission.free_quarters(view, full) == 0;
             if self.waits_for.is_some_and(waits) {
-                self.settle(poll);
+                self.pause_admission(poll);
                 return progress;
             }
             match self.take_record(poll) {
@@ -57,12 +57,12 @@ impl Program<'_> {
                     progress = true;
                 }
                 Ok(RecordOutcome::Wait) => {
-                    self.settle(poll);
+                    self.pause_admission(poll);
                     return progress;
                 }
                 Err(refused) if self.passes_over(poll, &refused) => progress = true,
                 Err(refused) => {
-                    self.settle(poll);
+                    self.pause_admission(poll);
                     return self.refuse(poll, &refused) || progress;
                 }
             }
@@ -89,8 +89,8 @@ impl Program<'_> {
     }
 
     /// Nothing more can be admitted now.
-    fn settle<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) {
-        self.settled = true;
+    fn pause_admission<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) {
+        self.admission_waits = true;
         if self.flush_due(poll.view).is_some_and(|due| due.0 <= poll.view.now.0) {
             self.flush(poll.admission);
         }

@@ -185,8 +185,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "look-ahead: speeds are final at once",
         AHEAD,
-        "settled = (settled || step.settled) && sure && end_sure || cap == 0.0;",
-        "settled = settled || step.settled || after >= 0.0;",
+        "is_final = (is_final || step.saturated) && decided && end_decided || cap == 0.0;",
+        "is_final = is_final || step.saturated || after >= 0.0;",
         LOOK_AHEAD,
     ),
     mutant(

@@ -102,7 +102,7 @@ pub struct PathReport<'a> {
     /// The path length along the motion in force.
     pub motion: &'a mut Motion,
     /// Counts changes of bend and motion, at least, except for the position in it.
-    pub turns: &'a mut u32,
+    pub piece_version: &'a mut u32,
 }
 
 /// The other results of a step.

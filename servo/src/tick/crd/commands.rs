@@ -161,7 +161,7 @@ impl<const AXES: usize> Tick<AXES> {
         if here != state.published.position {
             state.published.position = here;
             state.mark_changed();
-            crds.moves = crds.moves.wrapping_add(1);
+            crds.version = crds.version.wrapping_add(1);
         }
     }
 
@@ -235,7 +235,7 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             self.crds.running.0 |= crd.mask().0;
-            self.crds.moves = self.crds.moves.wrapping_add(1);
+            self.crds.version = self.crds.version.wrapping_add(1);
         }
     }
 
