@@ -328,7 +328,7 @@ pub enum Traced {
         axis: Axis,
         /// Planned position.
         pos: Pos,
-        /// The motion in its piece; for an axis that is has_slaves, a motion with its velocity.
+        /// The motion in its piece; for an axis that is led, a motion with its velocity.
         motion: Motion,
     },
     /// The planned position at which the machine's set-point of an axis is 0 changes by so much. It
