@@ -196,7 +196,8 @@ impl AxisState {
     }
 
     /// The position at the tick computed if the master moved straight to `to`; None if more is to
-    /// be done. `has_slaves`: it is a master itself. It moves `limit` units of Pos in a tick at most.
+    /// be done. `has_slaves`: it is a master itself. It moves `limit` units of Pos in a tick at
+    /// most.
     #[inline(always)]
     pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, has_slaves: bool, limit: u64) -> bool {
         let from = self.published.pos;

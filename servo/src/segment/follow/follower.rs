@@ -75,8 +75,8 @@ impl Follower {
     }
 
     /// Its position with a master at `to`, and the parameter in its piece, if the master moved
-    /// there straight and all is inside one piece. `has_slaves`: it is a master itself. `from` is its
-    /// position at the tick in force.
+    /// there straight and all is inside one piece. `has_slaves`: it is a master itself. `from` is
+    /// its position at the tick in force.
     #[inline(always)]
     pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, has_slaves: bool, from: Pos) -> Option<(Pos, u64)> {
         if has_slaves && !self.run.is_fast_and_straight(to) {
