@@ -404,7 +404,7 @@ impl<const AXES: usize> Shadows<AXES> {
                         follow,
                         cleared: Some(seq),
                         servo: Some((seq, false)),
-                        placed: Some((seq, Pos(0))),
+                        position_set: Some((seq, Pos(0))),
                         ..AxisShadow::power_on()
                     };
                     shadow.empty(seq, 3);
@@ -431,7 +431,7 @@ impl<const AXES: usize> Shadows<AXES> {
             ShadowChange::Watch(watch) => self.watch = watch,
             ShadowChange::Tick { period } => self.long_tick = Some(period >= LONG_TICK),
             ShadowChange::Placed { axes, pos } => {
-                self.with(axes, |_, shadow| shadow.placed = Some((seq, pos)));
+                self.with(axes, |_, shadow| shadow.position_set = Some((seq, pos)));
                 let crds = self.drivers(axes);
                 self.with_crds(crds, &CrdChange::Placed, seq);
             }
@@ -439,7 +439,7 @@ impl<const AXES: usize> Shadows<AXES> {
             ShadowChange::Started { axes, fifo1, script_ns } => self.with(axes, |axis, shadow| {
                 shadow.start(seq);
                 let begins = u32::try_from(script_ns >> BEGINS_SHIFT).unwrap_or(u32::MAX).saturating_add(1);
-                shadow.streams = if shadow.is_dynamic() { begins } else { 0 };
+                shadow.stream_begins = if shadow.is_dynamic() { begins } else { 0 };
                 shadow.fifo = u8::from(fifo1.has(axis));
             }),
             ShadowChange::PvtStarted { axes } => {
@@ -457,10 +457,10 @@ impl<const AXES: usize> Shadows<AXES> {
                 let driven = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
                 // What still runs may set an axis off after the wait for it.
                 let others = Crd::all().filter(|crd| !crds.has(*crd) && self.crd(*crd).started.is_some());
-                let aside = AxisMask(others.fold(0, |mask, crd| mask | self.crd(crd).beside.0));
+                let aside = AxisMask(others.fold(0, |mask, crd| mask | self.crd(crd).extra_axes.0));
                 self.with(axes, |axis, shadow| {
                     shadow.started = None;
-                    shadow.aside &= aside.has(axis);
+                    shadow.moved_by_entry &= aside.has(axis);
                 });
                 // A wait for a coordinate system does not wait for an axis that has left it.
                 let rests = |shadow: &AxisShadow| shadow.mode == MotionMode::Crd && crds.has(shadow.crd);
@@ -503,12 +503,12 @@ impl<const AXES: usize> Shadows<AXES> {
             ShadowChange::FollowMemory { axis, memory } => one(axis, &|shadow| {
                 shadow.follow.memory = memory;
                 shadow.follow.empty_both(seq);
-                shadow.leaving = shadow.busy;
+                shadow.dropped_start = shadow.busy;
                 shadow.invalid = 0;
             }),
             ShadowChange::FollowEmptied { axis, fifo } => one(axis, &|shadow| {
                 shadow.follow.empty(fifo, seq);
-                shadow.leaving = shadow.busy;
+                shadow.dropped_start = shadow.busy;
                 shadow.invalid &= !(1 << (fifo & 1));
             }),
             ShadowChange::FollowData { axis, fifo, cleared, data } => one(axis, &|shadow| {
@@ -538,7 +538,7 @@ impl<const AXES: usize> Shadows<AXES> {
                 if let CrdChange::Data { .. } = change
                     && self.crd(crd).started.is_some()
                 {
-                    self.with(self.crd(crd).beside, |_, shadow| shadow.aside = true);
+                    self.with(self.crd(crd).extra_axes, |_, shadow| shadow.moved_by_entry = true);
                 }
                 if is_frame {
                     self.with(before, |_, shadow| {
@@ -558,7 +558,8 @@ impl<const AXES: usize> Shadows<AXES> {
                 self.with_crds(CrdMask(crds.0 & !fifo1.0), &CrdChange::Started { fifo: 0, may_fail }, seq);
                 self.with_crds(fifo1, &CrdChange::Started { fifo: 1, may_fail }, seq);
                 let axes = crds.crds().fold(0, |mask, crd| mask | self.driven(crd).0);
-                crds.crds().for_each(|crd| self.with(self.crd(crd).beside, |_, shadow| shadow.aside = true));
+                crds.crds()
+                    .for_each(|crd| self.with(self.crd(crd).extra_axes, |_, shadow| shadow.moved_by_entry = true));
                 self.with(AxisMask(axes), |_, shadow| shadow.start(seq));
             }
             ShadowChange::LaserResolution(high) => self.high_resolution = high,

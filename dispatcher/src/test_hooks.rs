@@ -61,6 +61,6 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     fn advance_counters(&mut self, by: u32) {
         let by = by.cast_signed() as isize as usize;
         (self.first, self.end) = (self.first.wrapping_add(by), self.end.wrapping_add(by));
-        self.unsure.slot = self.unsure.slot.wrapping_add(by);
+        self.undecided.slot = self.undecided.slot.wrapping_add(by);
     }
 }

@@ -11,9 +11,9 @@ use dispatcher::plan::look_ahead::Limits;
 use protocol::command::*;
 use protocol::reason::Reason;
 
-const VEL: f64 = 120.0;
-const ACC: f64 = 4.0;
-const CORNER: f64 = 4.0;
+const VEL_PULSES_PER_MS: f64 = 120.0;
+const ACC_PULSES_PER_MS2: f64 = 4.0;
+const CORNER_MS: f64 = 4.0;
 
 /// A spiral of `count` lines of about 60 pulses.
 fn spiral(count: usize) -> Vec<[i32; 2]> {
@@ -29,12 +29,12 @@ fn spiral(count: usize) -> Vec<[i32; 2]> {
 
 /// The time of a path whose data is all there before its first entry is taken, ms.
 fn ideal([x, y]: [i32; 2], points: &[[i32; 2]]) -> f64 {
-    let limits = Limits { vel: [f64::INFINITY; 4], acc: [ACC; 4], corner: CORNER };
+    let limits = Limits { vel: [f64::INFINITY; 4], acc: [ACC_PULSES_PER_MS2; 4], corner: CORNER_MS };
     let mut look = Ahead::<4096>::new(limits);
     let mut at = [x.into(), y.into(), 0.0, 0.0];
     for to in points {
         let geometry = Geometry::planar(&at, *to).unwrap();
-        assert!(look.push_motion(&geometry, VEL, ACC));
+        assert!(look.push_motion(&geometry, VEL_PULSES_PER_MS, ACC_PULSES_PER_MS2));
         at = geometry.end;
     }
     let mut ms = 0.0;
@@ -50,8 +50,8 @@ fn lines(points: &[[i32; 2]]) -> (LnXYMany, Vec<PathXY>) {
         crd: 1.into(),
         fifo: 0.into(),
         count: (points.len() as u16).into(),
-        syn_vel: VEL.into(),
-        syn_acc: ACC.into(),
+        syn_vel: VEL_PULSES_PER_MS.into(),
+        syn_acc: ACC_PULSES_PER_MS2.into(),
         vel_end: 0.0.into(),
     };
     (head, points.iter().map(|[x, y]| PathXY { x: (*x).into(), y: (*y).into() }).collect())
@@ -80,7 +80,7 @@ fn a_path_needs_no_flush() {
     for flushes in [false, true] {
         let mut bench = Bench::gus();
         plane(&mut bench);
-        bench.done(ahead(CORNER, ACC, 200));
+        bench.done(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 200));
         give(&mut bench, &points);
         assert_eq!(space(&mut bench, 0), 1024 - 200, "places of the look-ahead count");
         if flushes {
@@ -105,7 +105,7 @@ fn a_path_needs_no_flush() {
 fn what_comes_late_but_in_time_is_as_fast() {
     let mut bench = Bench::gus();
     plane(&mut bench);
-    bench.done(ahead(CORNER, ACC, 200));
+    bench.done(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 200));
     bench.done(line(20_000, 0, 100.0, 4.0));
     bench.done(line(40_000, 0, 100.0, 4.0));
     bench.done(start_crd(1));
@@ -122,7 +122,7 @@ fn what_comes_late_but_in_time_is_as_fast() {
 fn a_wait_empties_the_look_ahead() {
     let mut bench = Bench::gus();
     plane(&mut bench);
-    bench.done(ahead(CORNER, ACC, 200));
+    bench.done(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 200));
     let wait = || BufDelay { core: 1.into(), crd: 1.into(), delay_ms: 3.into(), fifo: 0.into() };
     bench.done(wait());
     bench.done(line(1000, 0, 100.0, 4.0));
@@ -151,7 +151,7 @@ fn a_wait_empties_the_look_ahead() {
 fn final_motions_are_not_held_back_after_long_ones() {
     let mut bench = Bench::gus();
     plane(&mut bench);
-    bench.done(ahead(CORNER, 0.4, 200));
+    bench.done(ahead(CORNER_MS, 0.4, 200));
     let mut given = 0;
     let mut give_one = |bench: &mut Bench<8>| {
         given += 1;
@@ -191,7 +191,7 @@ fn a_host_that_stalls_slows_nothing() {
     let ideal = ideal([0, 0], &points);
     let mut bench = Bench::gus();
     plane(&mut bench);
-    bench.done(ahead(CORNER, ACC, 200));
+    bench.done(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 200));
     let mut left = &points[..];
     let mut give_some = |bench: &mut Bench<8>| {
         while !left.is_empty() && space(bench, 0) >= 60 {
@@ -216,7 +216,7 @@ fn a_host_that_stalls_slows_nothing() {
     let took = finish(&mut bench, begun);
     assert!((took - ideal).abs() < 1.0, "{took}, ideal {ideal}");
     assert_eq!(status(&mut bench, 0).1, 3000);
-    assert!(most <= VEL * (1.0 + 1e-9) && most > 0.8 * VEL, "{most}");
+    assert!(most <= VEL_PULSES_PER_MS * (1.0 + 1e-9) && most > 0.8 * VEL_PULSES_PER_MS, "{most}");
 }
 
 /// Where braking takes more motions than the look-ahead holds, the path keeps the speed that its
@@ -224,23 +224,23 @@ fn a_host_that_stalls_slows_nothing() {
 /// nothing of the window.
 #[test]
 fn a_full_look_ahead_keeps_its_speed() {
-    const LENGTH: i32 = 30;
+    const LENGTH_PULSES: i32 = 30;
     let bit = |value: i16| {
         let [core, crd, fifo] = [1, 1, 0].map(Into::into);
         BufDoBit { core, crd, do_type: 12.into(), index: 1.into(), value: value.into(), fifo }
     };
-    const SLOW: f64 = 0.5;
+    const SLOW_PULSES_PER_MS: f64 = 0.5;
     for (count, batch) in [(64, 2), (192, 6)] {
         for marks in [false, true] {
             let mut bench = Bench::gus();
             plane(&mut bench);
-            bench.done(ahead(CORNER, SLOW, count));
+            bench.done(ahead(CORNER_MS, SLOW_PULSES_PER_MS, count));
             let mut given = 0;
             let mut give_some = |bench: &mut Bench<8>| {
                 while given < 3000 && space(bench, 0) >= 30 {
                     let calls = (given..given + 15).flat_map(|k| {
                         let mark = marks.then(|| of(bit(k as i16 & 1)));
-                        mark.into_iter().chain([of(line((k + 1) * LENGTH, 0, 80.0, SLOW))])
+                        mark.into_iter().chain([of(line((k + 1) * LENGTH_PULSES, 0, 80.0, SLOW_PULSES_PER_MS))])
                     });
                     assert_eq!(call(bench, &joined(&calls.collect::<Vec<_>>())).code, 0);
                     given += 15;
@@ -250,9 +250,9 @@ fn a_full_look_ahead_keeps_its_speed() {
             give_some(&mut bench);
             bench.done(start_crd(1));
             let begun = bench.now().0;
-            let square = |motions: i16| 2.0 * SLOW * f64::from(LENGTH) * f64::from(motions);
+            let square = |motions: i16| 2.0 * SLOW_PULSES_PER_MS * f64::from(LENGTH_PULSES) * f64::from(motions);
             // It takes v/a to come to speed.
-            let ramp_ns = (1.1e6 * square(count).sqrt() / SLOW) as u64;
+            let ramp_ns = (1.1e6 * square(count).sqrt() / SLOW_PULSES_PER_MS) as u64;
             let mut cruise = Vec::new();
             while !give_some(&mut bench) {
                 for _ in 0..8 {
@@ -269,7 +269,7 @@ fn a_full_look_ahead_keeps_its_speed() {
             assert!(cruise.len() > 100 && high - low < 0.006 * high, "{found}");
             // The motion that comes next and those that leave with it are not in the window. The
             // last ones may still turn out to be rounding: 80 pulse/ms for T.
-            let open = (80.0 * CORNER) as i16 / LENGTH as i16 + 1;
+            let open = (80.0 * CORNER_MS) as i16 / LENGTH_PULSES as i16 + 1;
             assert!(low * low >= square(count - batch - 1 - open) && high * high <= square(count), "{found}");
         }
     }
@@ -282,7 +282,7 @@ fn a_host_that_is_too_late_ends_no_path_at_speed() {
     let points = spiral(300);
     let mut bench = Bench::gus();
     plane(&mut bench);
-    bench.done(ahead(CORNER, ACC, 200));
+    bench.done(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 200));
     give(&mut bench, &points[..150]);
     bench.done(start_crd(1));
     until_standstill(&mut bench);
@@ -338,7 +338,7 @@ fn a_program_streams_through_the_look_ahead() {
         let (head, items) = lines(part);
         (LnXYMany::OPCODE, protocol::record::Lane::Program, body::<LnXYMany>(head, &items))
     };
-    let mut entries = vec![entry(prm()), entry(ahead(CORNER, ACC, 200))];
+    let mut entries = vec![entry(prm()), entry(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 200))];
     entries.extend(points[..600].chunks(60).map(many));
     entries.push(entry(start_crd(1)));
     for (round, part) in points[600..].chunks(300).enumerate() {
@@ -393,7 +393,7 @@ fn a_wait_closes_the_look_ahead() {
         let (head, items) = lines(part);
         (LnXYMany::OPCODE, protocol::record::Lane::Program, body::<LnXYMany>(head, &items))
     };
-    let mut entries = vec![entry(prm()), entry(ahead(CORNER, ACC, 200))];
+    let mut entries = vec![entry(prm()), entry(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 200))];
     for part in points.chunks(50) {
         entries.push(many(part));
         entries.push(entry(start_crd(1)));
@@ -425,7 +425,7 @@ fn a_motion_may_come_after_what_begins_where_only_the_tick_knows() {
         until_standstill(&mut bench);
         let wait = BufDelay { core: 1.into(), crd: 1.into(), delay_ms: 3.into(), fifo: 0.into() };
         let entries = [
-            entry(ahead(CORNER, ACC, look)),
+            entry(ahead(CORNER_MS, ACC_PULSES_PER_MS2, look)),
             entry(CrdClear { core: 1.into(), crd: 1.into(), fifo: 0.into() }),
             entry(wait),
             entry(line(300, 50, 4.0, 1.0)),
@@ -449,7 +449,7 @@ fn a_motion_may_come_after_what_begins_where_only_the_tick_knows() {
 fn rests_limits_and_set_up() {
     let mut bench = Bench::gus();
     plane(&mut bench);
-    bench.done(ahead(CORNER, ACC, 200));
+    bench.done(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 200));
     let limit = |coordinate: i16, vel: f64| SetCrdLimit {
         core: 1.into(),
         crd: 1.into(),
@@ -462,17 +462,17 @@ fn rests_limits_and_set_up() {
     assert_eq!(({ reported.vel_max }.get(), { reported.acc_max }.get()), (30.0, 0.0));
     // 3 in X to 4 in Y: Y has 0.8 of the path's speed.
     bench.done(line(6000, 8000, 100.0, 4.0));
-    assert_eq!(bench.refused(ahead(CORNER, ACC, 100)).1, Reason::CrdHolds);
+    assert_eq!(bench.refused(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 100)).1, Reason::CrdHolds);
     bench.done(start_crd(1));
     let most = until_standstill(&mut bench);
     assert!((most - 37.5).abs() < 1e-6, "{most}");
     // All of it has run: now it may be set up again, or switched off.
-    bench.done(ahead(CORNER, ACC, 0));
+    bench.done(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 0));
     bench.done(line(6000, 0, 100.0, 4.0));
     bench.done(start_crd(1));
     let most = until_standstill(&mut bench);
     assert!((most - 100.0).abs() < 1e-6, "without look-ahead a limit has no effect: {most}");
-    bench.done(ahead(CORNER, ACC, 10));
+    bench.done(ahead(CORNER_MS, ACC_PULSES_PER_MS2, 10));
     let g0 = LnXYG0 {
         core: 1.into(),
         crd: 1.into(),

@@ -7,10 +7,10 @@ use protocol::command::*;
 use protocol::reason::{Reason, describe_opcode};
 
 /// Tolerance of a planned position between knots: 2⁻¹⁶ pulse.
-const EXACT: f64 = 1.0 / 65536.0;
-const PLANNED: f64 = 100.4;
+const EXACT_TOLERANCE_PULSES: f64 = 1.0 / 65536.0;
+const PLANNED_PULSES: f64 = 100.4;
 /// The bench's encoder is the whole pulse.
-const COUNTED: f64 = 100.0;
+const COUNTED_PULSES: f64 = 100.0;
 
 fn position(bench: &mut Bench<16>, core: i16, first: i16, count: u16) -> Vec<f64> {
     let read = GetPrfPos { core: core.into(), profile: first.into(), count: (count as i16).into() };
@@ -34,7 +34,14 @@ fn items(of: i16, kind: i16) {
     let (core, profile) = (of.into(), 1.into());
     bench.done(AxisOn { core, axis: profile });
     bench.done(PrfPt { core, profile, mode: 0.into() });
-    bench.done(PtData { core, profile, pos: PLANNED.into(), time_ms: 20.into(), kind: 0.into(), fifo: 0.into() });
+    bench.done(PtData {
+        core,
+        profile,
+        pos: PLANNED_PULSES.into(),
+        time_ms: 20.into(),
+        kind: 0.into(),
+        fifo: 0.into(),
+    });
     for (axis, item) in [(2, 0), (3, 1), (4, 2), (5, 3), (6, 7)] {
         bench.servo_on(axis);
         bench.done(bench::follow::prf(axis, 0));
@@ -50,11 +57,15 @@ fn items(of: i16, kind: i16) {
     assert_eq!((encoder.fract(), other), (0.0, encoder), "{at:?}");
     assert!(encoder < planned && planned_filtered < planned - 0.5 && encoder_filtered < encoder - 0.5, "{at:?}");
     bench.run_ms(500);
-    assert!((position(&mut bench, of, 1, 1)[0] - PLANNED).abs() < EXACT);
-    for (at, (end, item)) in
-        position(&mut bench, 1, 2, 5).iter().zip([(PLANNED, 0), (COUNTED, 1), (PLANNED, 2), (COUNTED, 3), (COUNTED, 7)])
-    {
-        assert!((at - end).abs() < EXACT, "item {item}: {at} is not {end}");
+    assert!((position(&mut bench, of, 1, 1)[0] - PLANNED_PULSES).abs() < EXACT_TOLERANCE_PULSES);
+    for (at, (end, item)) in position(&mut bench, 1, 2, 5).iter().zip([
+        (PLANNED_PULSES, 0),
+        (COUNTED_PULSES, 1),
+        (PLANNED_PULSES, 2),
+        (COUNTED_PULSES, 3),
+        (COUNTED_PULSES, 7),
+    ]) {
+        assert!((at - end).abs() < EXACT_TOLERANCE_PULSES, "item {item}: {at} is not {end}");
     }
 }
 
@@ -93,7 +104,7 @@ fn an_encoder_crosses_between_its_samples() {
     assert_eq!(bench.pos(1), 800.0);
     // From 101 to 151, each halfway between two samples; one cycle later, halfway again, the
     // encoder is at 153.
-    assert!((bench.pos(2) - (50.0 + (800.0 - 153.0))).abs() < EXACT, "{}", bench.pos(2));
+    assert!((bench.pos(2) - (50.0 + (800.0 - 153.0))).abs() < EXACT_TOLERANCE_PULSES, "{}", bench.pos(2));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Speeds of a look-ahead against closed forms, and its limits on long lines and while an override
 //! changes.
 use crate::chance::Chance;
-use crate::lookahead::{Call, LIMITS, Middle, TICK, plan_within, polyline, positions, run_with, spiral, wander};
+use crate::lookahead::{Call, LIMITS, Middle, TICK_NS, plan_within, polyline, positions, run_with, spiral, wander};
 use dispatcher::plan::look_ahead::Limits;
 use servo::path::FeedOverride;
 
@@ -40,7 +40,7 @@ fn a_corner_of_long_lines_on_the_trace() {
     for (name, points, sides) in [("square", square, 1.0), ("reversal", &[[20_000, 0], [0, 0]], 2.0)] {
         let calls = polyline(points, 200.0, 4.0);
         let positions = positions(plan_within::<16>(&calls, limits));
-        let ticks = |ms: f64| (ms * 1e6 / TICK) as usize;
+        let ticks = |ms: f64| (ms * 1e6 / TICK_NS) as usize;
         let worst = |span: usize, of: &dyn Fn(&[[f64; 2]], usize) -> f64| {
             positions
                 .windows(span + 1)
@@ -59,7 +59,7 @@ fn a_corner_of_long_lines_on_the_trace() {
             let (found, expected) = (worst(2 * half, &second), q / parts + beside);
             println!("{name}: second difference over {parts}·T {found:.3} of the limit, {expected} expected");
             assert!(found <= expected * 1.0001 && found > expected * 0.97, "{name} {parts}: {found}");
-            let tick = TICK / 1e6;
+            let tick = TICK_NS / 1e6;
             let change = |window: &[[f64; 2]], i: usize| {
                 (window[half + 1][i] - window[half][i] - window[1][i] + window[0][i]) / tick / ms / limits.acc[0]
             };

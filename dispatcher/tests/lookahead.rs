@@ -79,8 +79,8 @@ impl<const N: usize> Ahead<N> {
             self.others -= 1;
             return self.waiting.pop_front().map(|entry| Taken { entry, ms: 0.0 });
         }
-        let Planned { along, ms, others } = self.look.take(now)?;
-        self.others = others;
+        let Planned { along, ms, entries_after } = self.look.take(now)?;
+        self.others = entries_after;
         self.waiting.pop_front().map(|entry| Taken { entry: entry.with_speeds(along), ms })
     }
 
@@ -200,17 +200,17 @@ pub fn run_with(
     let mut places = Vec::new();
     loop {
         meanwhile(&mut path, Ns(now), feed, &script);
-        let step = path.step(Ns(now), Ns(TICK as u64), feed, &script, &mut heard);
+        let step = path.step(Ns(now), Ns(TICK_NS as u64), feed, &script, &mut heard);
         places.push([step.position[0], step.position[1]].map(|x| x.0 as f64 * 2f64.powi(-22)));
         if !step.runs {
             break;
         }
-        now += TICK as u64;
+        now += TICK_NS as u64;
     }
     let [(at, PathStop::Completed)] = heard.rests[..] else { panic!("{:?}", heard.rests) };
     let ns = |at: FineNs| at as f64 / 2f64.powi(32) - 1e6;
     let mut fastest = 0.0f64;
-    let velocity = |k: usize, i: usize| (places[k + 1][i] - places[k][i]) / TICK * 1e6;
+    let velocity = |k: usize, i: usize| (places[k + 1][i] - places[k][i]) / TICK_NS * 1e6;
     for k in 0..places.len() - 1 {
         for i in 0..2 {
             fastest = fastest.max(velocity(k, i).abs() / LIMITS.vel[i]);
@@ -223,7 +223,7 @@ pub fn run_with(
     for (call, at) in calls.iter().zip(&heard.marks) {
         let to = [call.geometry.end[0], call.geometry.end[1]];
         // Ticks within the motion; the speed between two of them is that at half time.
-        let (first, last) = ((before / TICK).ceil() as usize, (ns(*at) / TICK) as usize);
+        let (first, last) = ((before / TICK_NS).ceil() as usize, (ns(*at) / TICK_NS) as usize);
         let distance_to = |k: usize| (places[k][0] - from[0]).hypot(places[k][1] - from[1]);
         let half = call.geometry.length / 2.0;
         let k = first + (first..last).take_while(|k| distance_to(*k) < half).count();
@@ -232,7 +232,7 @@ pub fn run_with(
             let (low, part) = if part < 0.5 { (k - 2, part + 0.5) } else { (k - 1, part - 0.5) };
             let speed = |i: usize| velocity(low, i) * (1.0 - part) + velocity(low + 1, i) * part;
             let fastest = (passed..k).map(|k| velocity(k, 0).hypot(velocity(k, 1))).fold(0.0, f64::max);
-            let (at, length) = ((low as f64 + 0.5 + part) * TICK / 1e6, call.geometry.length);
+            let (at, length) = ((low as f64 + 0.5 + part) * TICK_NS / 1e6, call.geometry.length);
             middles.push(Middle { at, velocity: [speed(0), speed(1)], length, fastest });
             passed = k;
         }
@@ -249,17 +249,17 @@ pub fn positions(entries: Vec<PathEntry>) -> Vec<[f64; 2]> {
     path.start(Ns(now), 0, feed, &script);
     let mut positions = Vec::new();
     loop {
-        let step = path.step(Ns(now), Ns(TICK as u64), feed, &script, &mut heard);
+        let step = path.step(Ns(now), Ns(TICK_NS as u64), feed, &script, &mut heard);
         positions.push([step.position[0], step.position[1]].map(|x| x.0 as f64 * 2f64.powi(-22)));
         if !step.runs {
             return positions;
         }
-        now += TICK as u64;
+        now += TICK_NS as u64;
     }
 }
 
 /// Nanoseconds.
-pub const TICK: f64 = 20_000.0;
+pub const TICK_NS: f64 = 20_000.0;
 
 /// The highest acceleration between the middles of two motions, of neighbours and of those the
 /// corner time or more apart. What the rounding of targets explains is left out: half a pulse at

@@ -8,7 +8,7 @@ use protocol::record::Lane;
 const CORE: i16 = 1;
 
 /// Segments of 1 ms that `axes` streams get before their start.
-const AHEAD: i32 = 2000;
+const AHEAD_SEGMENTS: i32 = 2000;
 
 /// The data before the start of eight streams: records of `share` segments, from axis to axis.
 fn prefill(share: i32) -> Vec<(u16, Lane, Vec<u8>)> {
@@ -18,11 +18,11 @@ fn prefill(share: i32) -> Vec<(u16, Lane, Vec<u8>)> {
         entries.push(entry(PrfPt { core: CORE.into(), profile: axis.into(), mode: 1.into() }));
         entries.push(entry(SetPtMemory { core: CORE.into(), profile: axis.into(), memory: 1.into() }));
     }
-    for part in 0..AHEAD / share {
+    for part in 0..AHEAD_SEGMENTS / share {
         for axis in 1..=8i16 {
             let items: Vec<PtItem> = (1..=share)
                 .map(|i| part * share + i)
-                .map(|t| pt_item(f64::from(t * i32::from(axis)), t, if t == AHEAD { 2 } else { 1 }))
+                .map(|t| pt_item(f64::from(t * i32::from(axis)), t, if t == AHEAD_SEGMENTS { 2 } else { 1 }))
                 .collect();
             let many =
                 PtDataMany { core: CORE.into(), profile: axis.into(), fifo: 0.into(), count: (share as u16).into() };
@@ -59,10 +59,10 @@ fn a_held_program_takes_all_data_before_its_start() {
         }
         let reached: Vec<f64> =
             bench.answers[&tags[tags.len() - 2]].items::<GetPrfPos>().iter().map(|pos| pos.value.get()).collect();
-        assert_eq!(reached, (1..=8).map(|axis| f64::from(AHEAD * axis)).collect::<Vec<_>>());
+        assert_eq!(reached, (1..=8).map(|axis| f64::from(AHEAD_SEGMENTS * axis)).collect::<Vec<_>>());
         let status = bench.done(ProgramStatus {});
         assert_eq!((status.late.get(), status.worst_late_us.get()), (0, 0), "{share} a record");
-        assert_eq!(status.clock_ns.get(), AHEAD as u64 * MS + 250_000);
+        assert_eq!(status.clock_ns.get(), AHEAD_SEGMENTS as u64 * MS + 250_000);
         for axis in 1..=8 {
             assert_eq!(bench.done(GetPtState { core, profile: axis.into() }).state, 2, "no underrun");
         }
@@ -113,9 +113,9 @@ fn data_that_comes_piece_by_piece_while_the_program_sleeps_is_in_time() {
     for (index, &tag) in tags.iter().enumerate() {
         assert_eq!(bench.wait(tag).code, 0, "entry {index}");
     }
-    assert_eq!(position(&bench.answers[&tags[tags.len() - 2]]), f64::from(AHEAD * 8));
+    assert_eq!(position(&bench.answers[&tags[tags.len() - 2]]), f64::from(AHEAD_SEGMENTS * 8));
     let status = bench.done(ProgramStatus {});
-    assert_eq!((status.late.get(), status.clock_ns.get()), (0, (1500 + AHEAD as u64) * MS + 250_000));
+    assert_eq!((status.late.get(), status.clock_ns.get()), (0, (1500 + AHEAD_SEGMENTS as u64) * MS + 250_000));
 }
 
 #[test]

@@ -14,12 +14,12 @@ use protocol::reason::describe_opcode;
 use servo::units::StepLimit;
 
 /// As the STM32H743 board.
-const LIMIT: f64 = 1000.0;
+const LIMIT_PULSES_PER_MS: f64 = 1000.0;
 
 /// Boxed: some tests have several, more than a thread's stack holds.
 #[inline(never)]
 fn limited() -> Box<Bench<8>> {
-    let mut bench = Box::new(Bench::on(StepLimit::new(LIMIT as u64).unwrap(), None, 0, 250));
+    let mut bench = Box::new(Bench::on(StepLimit::new(LIMIT_PULSES_PER_MS as u64).unwrap(), None, 0, 250));
     bench.open(1);
     bench
 }
@@ -42,7 +42,7 @@ fn text<R: Request>(bench: &mut Bench<8>, request: R, items: &[R::Item]) -> Stri
 
 #[test]
 fn version_tells_it() {
-    assert_eq!(limited().done(Version {}).step_limit.get(), LIMIT);
+    assert_eq!(limited().done(Version {}).step_limit.get(), LIMIT_PULSES_PER_MS);
     let mut bench = Bench::gus();
     bench.open(1);
     assert_eq!(bench.done(Version {}).step_limit.get(), 4_294_967_296.0);
@@ -53,11 +53,11 @@ fn jog_and_trap_speeds() {
     let mut bench = limited();
     let (core, profile) = (1.into(), 1.into());
     let set = |vel: f64| SetVel { core, profile, vel: vel.into() };
-    for vel in [LIMIT, -LIMIT, 0.0] {
+    for vel in [LIMIT_PULSES_PER_MS, -LIMIT_PULSES_PER_MS, 0.0] {
         bench.done(set(vel));
     }
     bench.done(set(-3.5));
-    for vel in [above(LIMIT), -above(LIMIT), 1e9] {
+    for vel in [above(LIMIT_PULSES_PER_MS), -above(LIMIT_PULSES_PER_MS), 1e9] {
         let reported = text(&mut bench, set(vel), &[]);
         assert_eq!(reported, format!("SetVel: vel is {vel}; it must be from -1000 to 1000"));
     }
@@ -70,10 +70,10 @@ fn jog_and_trap_speeds() {
         vel_start: vel.into(),
         smooth_time_ms: 0.into(),
     };
-    bench.done(trap(LIMIT));
-    let reported = text(&mut bench, trap(above(LIMIT)), &[]);
+    bench.done(trap(LIMIT_PULSES_PER_MS));
+    let reported = text(&mut bench, trap(above(LIMIT_PULSES_PER_MS)), &[]);
     assert_eq!(reported, "SetTrapPrm: vel_start is 1000.0000000000001; it must be from 0 to 1000");
-    assert_eq!(bench.done(GetTrapPrm { core, profile }).vel_start.get(), LIMIT);
+    assert_eq!(bench.done(GetTrapPrm { core, profile }).vel_start.get(), LIMIT_PULSES_PER_MS);
 }
 
 #[test]
@@ -158,16 +158,16 @@ fn load(bench: &mut Bench<8>, of: Kind, points: &[&[f64]]) -> Option<String> {
 #[test]
 fn pvt_tables() {
     let mut bench = limited();
-    let up = above(LIMIT);
+    let up = above(LIMIT_PULSES_PER_MS);
     let mut is = |of: Kind, points: &[&[f64]], reported: &str| {
         let found = load(&mut bench, of, points).unwrap_or_default();
         assert_eq!(found, reported, "{of:?} {points:?}");
     };
     // Points at the limit, and a double above it.
-    is(Kind::Pvt, &[&[0.0, 0.0, LIMIT], &[1.0, 1000.0, LIMIT]], "");
+    is(Kind::Pvt, &[&[0.0, 0.0, LIMIT_PULSES_PER_MS], &[1.0, 1000.0, LIMIT_PULSES_PER_MS]], "");
     let fast = "vel: this segment's speed is 1000.0000000000001 pulse/ms; the limit is 1000 (item 2)";
     is(Kind::Pvt, &[&[0.0, 0.0, 0.0], &[1.0, 500.0, up]], &format!("PvtTable: {fast}"));
-    is(Kind::PvtEx, &[&[0.0, 0.0, LIMIT, -LIMIT], &[9.0, 1000.0, 0.0, 0.0]], "");
+    is(Kind::PvtEx, &[&[0.0, 0.0, LIMIT_PULSES_PER_MS, -LIMIT_PULSES_PER_MS], &[9.0, 1000.0, 0.0, 0.0]], "");
     let ex = "this segment's speed is -1000.0000000000001 pulse/ms; the limit is 1000 (item 1)";
     is(Kind::PvtEx, &[&[0.0, 0.0, 0.0, -up], &[9.0, 1000.0, 0.0, 0.0]], &format!("PvtTableEx: vel_end: {ex}"));
     // Inside: 3/2·p/T from rest to rest.
@@ -182,7 +182,7 @@ fn pvt_tables() {
         &[&[0.0, 0.0], &[3.0, 2001.0]],
         &format!("PvtTableComplete: {}", inside.replace("item 2", "item 1")),
     );
-    is(Kind::Complete(LIMIT, LIMIT), &[&[0.0, 0.0], &[1.0, 1000.0]], "");
+    is(Kind::Complete(LIMIT_PULSES_PER_MS, LIMIT_PULSES_PER_MS), &[&[0.0, 0.0], &[1.0, 1000.0]], "");
     let whole = "PvtTableComplete: vel_end: this segment's speed is 1000.0000000000001 pulse/ms; the limit is 1000";
     is(Kind::Complete(0.0, up), &[&[0.0, 0.0], &[1.0, 1000.0]], whole);
     // Percent: 2·p/T − v, whatever the percentage is.
@@ -196,7 +196,7 @@ fn pvt_tables() {
     is(Kind::Percent(up), &[&[0.0, 0.0, 0.0], &[2.0, 1000.0, 0.0]], whole);
     // Continuous: a cruise at velMax, which may be above the limit if it is not reached.
     let point = |pos: f64, vel_max: f64| [pos, 0.0, 50.0, vel_max, 1.0, 1.0];
-    is(Kind::Continuous, &[&point(0.0, LIMIT), &point(3e6, 1.0)], "");
+    is(Kind::Continuous, &[&point(0.0, LIMIT_PULSES_PER_MS), &point(3e6, 1.0)], "");
     let reported =
         "PvtTableContinuous: vel_max: this segment's speed is 1000.0000000000001 pulse/ms; the limit is 1000 (item 1)";
     is(Kind::Continuous, &[&point(0.0, up), &point(3e6, 1.0)], reported);
@@ -217,7 +217,8 @@ fn random_cubics_against_rationals() {
     let whole = |x: i64| BigRational::from_integer(BigInt::from(x));
     for _ in 0..3_000 {
         let t = (1.0 + chance.below(1000) as f64) / 8.0;
-        let vel = |chance: &mut Chance| chance.sign() * LIMIT * [0.0, 0.3, 0.9, 1.0][chance.below(4) as usize];
+        let vel =
+            |chance: &mut Chance| chance.sign() * LIMIT_PULSES_PER_MS * [0.0, 0.3, 0.9, 1.0][chance.below(4) as usize];
         let (v0, v1) = (vel(&mut chance), vel(&mut chance));
         // The displacement for which the peak is about the limit, found by doubles; then near it.
         let peak = |p: f64| {
@@ -227,10 +228,10 @@ fn random_cubics_against_rationals() {
             let inner = if top > 0.0 && top < 1.0 { (w0 + c2 * top) / t } else { 0.0 };
             inner.abs().max(v0.abs()).max(v1.abs())
         };
-        let (mut low, mut high) = (0.0, 10.0 * LIMIT * t);
+        let (mut low, mut high) = (0.0, 10.0 * LIMIT_PULSES_PER_MS * t);
         for _ in 0..60 {
             let middle = (low + high) / 2.0;
-            if peak(middle) <= LIMIT { low = middle } else { high = middle }
+            if peak(middle) <= LIMIT_PULSES_PER_MS { low = middle } else { high = middle }
         }
         let p = low * [1.0, 1.0 + 1e-6, 1.0 - 1e-6, 1.0 + 1e-8, 1.01, 0.7][chance.below(6) as usize];
         let exact = {
@@ -249,11 +250,14 @@ fn random_cubics_against_rationals() {
         };
         match load(&mut bench, Kind::Pvt, &[&[0.0, 0.0, v0], &[t, p, v1]]) {
             None => {
-                assert!(exact <= rational(LIMIT * (1.0 + 2e-9)), "{exact} for {v0} {v1} {p} {t}");
+                assert!(exact <= rational(LIMIT_PULSES_PER_MS * (1.0 + 2e-9)), "{exact} for {v0} {v1} {p} {t}");
                 taken += 1;
             }
             Some(reported) => {
-                assert!(reported.contains("the limit is 1000") && exact > rational(LIMIT), "{reported}: {exact}");
+                assert!(
+                    reported.contains("the limit is 1000") && exact > rational(LIMIT_PULSES_PER_MS),
+                    "{reported}: {exact}"
+                );
                 refused += 1;
             }
         }
@@ -287,12 +291,12 @@ fn prepared() -> Box<Bench<8>> {
 fn lines_by_the_share_of_each_axis() {
     let mut bench = prepared();
     let free = space(&mut bench, 0);
-    let reported = text(&mut bench, line(1000, 0, above(LIMIT), 1.0), &[]);
+    let reported = text(&mut bench, line(1000, 0, above(LIMIT_PULSES_PER_MS), 1.0), &[]);
     assert_eq!(
         reported,
         "LnXY: syn_vel: axis 1 would go at 1000.0000000000001 pulse/ms; the board's steps are limited to 1000"
     );
-    let reported = text(&mut bench, line(0, -7, above(LIMIT), 1.0), &[]);
+    let reported = text(&mut bench, line(0, -7, above(LIMIT_PULSES_PER_MS), 1.0), &[]);
     assert!(reported.starts_with("LnXY: syn_vel: axis 2 would go at 1000.0000000000001 pulse/ms"), "{reported}");
     // 3-4-5: Y has 0.8 of the speed.
     let reported = text(&mut bench, line(3000, 4000, 1250.001, 1.0), &[]);
@@ -302,13 +306,13 @@ fn lines_by_the_share_of_each_axis() {
     );
     assert_eq!(space(&mut bench, 0), free);
     bench.done(line(3000, 4000, 1250.0, 1.0));
-    bench.done(line(4000, 4000, LIMIT, 1.0));
+    bench.done(line(4000, 4000, LIMIT_PULSES_PER_MS, 1.0));
     assert_eq!(space(&mut bench, 0), free - 2);
     // A speed limited by synVelMax is not faster.
     let mut bench = limited();
     bench.servo_on(1);
     bench.servo_on(2);
-    bench.done(SetCrdPrm { syn_vel_max: LIMIT.into(), syn_acc_max: 1000.0.into(), ..prm() });
+    bench.done(SetCrdPrm { syn_vel_max: LIMIT_PULSES_PER_MS.into(), syn_acc_max: 1000.0.into(), ..prm() });
     bench.done(line(1000, 0, 20000.0, 1.0));
 }
 
@@ -366,9 +370,9 @@ fn arcs_by_what_they_pass() {
     // From (0, 0) about (0, r): counterclockwise the direction turns from +X to +Y in a quarter.
     let quarter = |vel: f64, x: i32, y: i32, dir| ArcXYC { syn_vel: vel.into(), ..arc(x, y, 0.0, 5000.0, dir) };
     let mut bench = prepared();
-    let reported = text(&mut bench, quarter(above(LIMIT), 5000, 5000, 1), &[]);
+    let reported = text(&mut bench, quarter(above(LIMIT_PULSES_PER_MS), 5000, 5000, 1), &[]);
     assert!(reported.starts_with("ArcXYC: syn_vel: axis 1 would go at 1000.0000000000001 pulse/ms"), "{reported}");
-    bench.done(quarter(LIMIT, 5000, 5000, 1));
+    bench.done(quarter(LIMIT_PULSES_PER_MS, 5000, 5000, 1));
     // From a third point of the circle, (4000, 2000) about its middle, to (5000, 5000): 0.8 of X at
     // most, Y all of it.
     let part = |vel: f64, x: i32, y: i32| ArcXYC {
@@ -396,7 +400,7 @@ fn arcs_by_what_they_pass() {
     // A full circle.
     let reported = text(&mut from(), part(1001.0, 4000, 2000), &[]);
     assert!(reported.starts_with("ArcXYC: syn_vel: axis 1 would go at 1001"), "{reported}");
-    from().done(part(LIMIT, 4000, 2000));
+    from().done(part(LIMIT_PULSES_PER_MS, 4000, 2000));
 }
 
 /// The share of a coordinate of random arcs, against their directions one by one.
@@ -442,7 +446,7 @@ fn axes_that_go_along_or_aside() {
     assert!(reported.contains("axis 4 would go at 1000.0000002"), "{reported}");
     bench.done(line(1000, 0, 500.0, 1.0));
     // The next one has no gear.
-    bench.done(line(2000, 0, LIMIT, 1.0));
+    bench.done(line(2000, 0, LIMIT_PULSES_PER_MS, 1.0));
     let aside = |vel: f64| BufMove {
         core,
         crd,
@@ -453,8 +457,8 @@ fn axes_that_go_along_or_aside() {
         modal: 1.into(),
         fifo,
     };
-    bench.done(aside(LIMIT));
-    let reported = text(&mut bench, aside(above(LIMIT)), &[]);
+    bench.done(aside(LIMIT_PULSES_PER_MS));
+    let reported = text(&mut bench, aside(above(LIMIT_PULSES_PER_MS)), &[]);
     assert!(
         reported.starts_with("BufMove: vel is 1000.0000000000001; it must be from ") && reported.ends_with("to 1000"),
         "{reported}"
@@ -472,7 +476,7 @@ fn look_ahead() {
     assert_eq!(space(&mut bench, 0), free);
     let (core, crd, fifo) = (1.into(), 1.into(), 0.into());
     let limit = |vel: f64| SetCrdLimit { core, crd, coordinate: 1.into(), vel_max: vel.into(), acc_max: 0.0.into() };
-    bench.done(limit(LIMIT));
+    bench.done(limit(LIMIT_PULSES_PER_MS));
     bench.done(line(1000, 0, 1001.0, 1.0));
     // Waiting motions keep their limits, and so do those after them.
     bench.done(limit(0.0));
@@ -492,7 +496,7 @@ fn what_is_taken_keeps_it() {
     let mut bench = prepared();
     bench.done(LnXY { vel_end: 1200.0.into(), ..line(30_000, 40_000, 1250.0, 100.0) });
     bench.done(LnXY { vel_end: 900.0.into(), ..line(60_000, 80_000, 1250.0, 100.0) });
-    bench.done(line(100_000, 80_000, LIMIT, 100.0));
+    bench.done(line(100_000, 80_000, LIMIT_PULSES_PER_MS, 100.0));
     assert_eq!(bench.call(start_crd(1)).code, 0);
     let mut before = *bench.server.view();
     let mut most = 0;

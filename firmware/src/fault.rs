@@ -18,7 +18,7 @@ use hal::board::{self, ResetCause};
 use hal::guard::SPAN_BYTES;
 
 /// Bytes of text kept: as many as the link carries.
-const TEXT: usize = FAULT_TEXT_MAX;
+const TEXT_BYTES: usize = FAULT_TEXT_MAX;
 
 /// Marks a record that was written, apart from random contents of RAM.
 const WRITTEN: u32 = 0xfa17_b0a4;
@@ -29,7 +29,7 @@ pub struct FaultReport {
     mark: u32,
     kind: u32,
     length: u32,
-    text: [u8; TEXT],
+    text: [u8; TEXT_BYTES],
 }
 
 impl FaultReport {
@@ -43,7 +43,7 @@ impl FaultReport {
 
     /// The reason, readable.
     pub fn text(&self) -> &str {
-        let length = (self.length as usize).min(TEXT);
+        let length = (self.length as usize).min(TEXT_BYTES);
         let bytes = self.text.get(..length).unwrap_or(&[]);
         match core::str::from_utf8(bytes) {
             Ok(text) => text,
@@ -83,7 +83,7 @@ pub fn last(cause: ResetCause) -> Option<FaultReport> {
         ResetCause::Power => None,
         ResetCause::Watchdog => {
             let mut report =
-                FaultReport { mark: WRITTEN, kind: FaultKind::Watchdog as u32, length: 0, text: [0; TEXT] };
+                FaultReport { mark: WRITTEN, kind: FaultKind::Watchdog as u32, length: 0, text: [0; TEXT_BYTES] };
             // Writing into a Report never fails.
             let _ = report.write_str("watchdog: the tick or the thread stood still");
             Some(report)
@@ -93,14 +93,14 @@ pub fn last(cause: ResetCause) -> Option<FaultReport> {
         ResetCause::Asked => Some(unsafe { kept.read_volatile() }).filter(|report| report.mark == WRITTEN),
     };
     // SAFETY: as above.
-    unsafe { kept.write_volatile(FaultReport { mark: 0, kind: 0, length: 0, text: [0; TEXT] }) };
+    unsafe { kept.write_volatile(FaultReport { mark: 0, kind: 0, length: 0, text: [0; TEXT_BYTES] }) };
     report
 }
 
 /// Sets the outputs to their safe state, stores `reason`, resets the board.
 fn restart(kind: FaultKind, reason: fmt::Arguments<'_>) -> ! {
     board::safe_state();
-    let mut report = FaultReport { mark: WRITTEN, kind: kind as u32, length: 0, text: [0; TEXT] };
+    let mut report = FaultReport { mark: WRITTEN, kind: kind as u32, length: 0, text: [0; TEXT_BYTES] };
     // Writing into a Report never fails.
     let _ = report.write_fmt(reason);
     // SAFETY: interrupts of the board are off and nothing returns from here.

@@ -5,7 +5,7 @@
 //! start-up has given to each handler. Budget: `cargo xtask ticks` holds the tick's; the others
 //! move a byte or a flag. Fails: a handler that was given nothing does nothing.
 use crate::load;
-use crate::statics::{LINK_WAKE, RECEIVED, RECEIVER, RECEIVING, SERVO};
+use crate::statics::{LINK_WAKE, RECEIVED_BYTES, RECEIVER, RECEIVING, SERVO};
 use crate::supervision;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
@@ -35,7 +35,7 @@ pub struct LinkReceiver {
     /// The UART.
     pub rx: Rx,
     /// Where its bytes go.
-    pub bytes: Producer<'static, u8, RECEIVED>,
+    pub bytes: Producer<'static, u8, RECEIVED_BYTES>,
 }
 
 /// A value that start-up gives to one interrupt handler for good. All zero at start.
@@ -120,7 +120,7 @@ pub fn received() -> bool {
     // There is room: the consumer only frees more.
     let _ = receiver.bytes.push(byte);
     const FRAME_END: u8 = 0;
-    if byte == FRAME_END || receiver.bytes.free() < RECEIVED / 2 {
+    if byte == FRAME_END || receiver.bytes.free() < RECEIVED_BYTES / 2 {
         LINK_WAKE.raise();
     }
     true

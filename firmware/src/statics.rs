@@ -18,7 +18,7 @@ use servo::view::{Event, Sample, View};
 use static_cell::{ConstStaticCell, StaticCell};
 
 /// Bytes from the link that wait for the task. More than that wait in the UART.
-pub const RECEIVED: usize = if AXES > 8 { 4096 } else { 1024 };
+pub const RECEIVED_BYTES: usize = if AXES > 8 { 4096 } else { 1024 };
 
 /// Thread to tick: operations for the next tick.
 pub static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE_ENTRIES> = Ring::new();
@@ -72,7 +72,7 @@ pub static EDGE_COUNTS: servo::EdgeCounts = servo::EdgeCounts::new();
 pub static QUEUES: ConstStaticCell<[[PathQueue; 2]; Crd::MAX]> =
     ConstStaticCell::new([const { [const { PathQueue::new() }; 2] }; Crd::MAX]);
 /// Link interrupt to task: bytes received.
-pub static BYTES: Ring<u8, RECEIVED> = Ring::new();
+pub static BYTES: Ring<u8, RECEIVED_BYTES> = Ring::new();
 
 /// The servo tick.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state"))]

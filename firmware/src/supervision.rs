@@ -16,7 +16,7 @@ fn units(now: Ns) -> u32 {
 
 /// The link task must run within this many units: 0.5 s. Each tick wakes it; a full message takes
 /// some ms.
-const TURN: u32 = 500_000_000 >> 20;
+const TASK_TURN_UNITS: u32 = 500_000_000 >> 20;
 
 // All relaxed: flags between contexts of one core, each written in one of them.
 #[cfg_attr(feature = "stm32h743", unsafe(link_section = ".state.words"))]
@@ -56,7 +56,7 @@ pub fn tick_ends(now: Ns) {
 }
 
 fn is_late(now: u32) -> bool {
-    now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TURN
+    now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TASK_TURN_UNITS
 }
 
 /// In the watchdog's NMI: what is stuck. Nothing is, if the watchdog's time ran while the core

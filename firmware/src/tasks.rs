@@ -12,10 +12,10 @@ use hal::board::uart::Tx;
 use hal::board::{AXES, NAME, resume_link};
 
 /// Trace bytes sent before the link is served again.
-const TRACE_AT_ONCE: usize = 1024;
+const TRACE_AT_ONCE_BYTES: usize = 1024;
 
 /// Buffer of the trace stream, which only one of the boards has.
-const ROWS: usize = if cfg!(feature = "stm32h743") { 0 } else { TRACE_AT_ONCE };
+const TRACE_BUFFER_BYTES: usize = if cfg!(feature = "stm32h743") { 0 } else { TRACE_AT_ONCE_BYTES };
 
 /// Argument of the link task.
 pub struct LinkParts {
@@ -31,7 +31,7 @@ pub struct LinkParts {
 #[embassy_executor::task]
 pub async fn serve(parts: LinkParts) {
     let LinkParts { server, mut wires, mut trace } = parts;
-    let mut rows = Outflow::<ROWS>::new();
+    let mut rows = Outflow::<TRACE_BUFFER_BYTES>::new();
     let mut overruns = 0;
     loop {
         LINK_WAKE.wait().await;
@@ -47,7 +47,7 @@ pub async fn serve(parts: LinkParts) {
         server.poll(now);
         wires.send(server);
         if let Some(tx) = &mut trace
-            && rows.pump(tx, TRACE_AT_ONCE, |out| server.take_trace(out))
+            && rows.pump(tx, TRACE_AT_ONCE_BYTES, |out| server.take_trace(out))
         {
             LINK_WAKE.raise();
         }

@@ -8,25 +8,25 @@ use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 use embassy_usb::class::cdc_acm::{CdcAcmClass, State, USB_CLASS_CDC};
 use embassy_usb::{Builder, Config, UsbDevice, UsbVersion};
-use hal::board::usb::{ID_DIGITS, MILLIAMPERES, PACKET, Usb, WAITING, unique_id};
+use hal::board::usb::{ID_DIGITS, MILLIAMPERES, PACKET_BYTES, Usb, WAITING_BYTES, unique_id};
 use static_cell::StaticCell;
 
 /// From pid.codes, for tests: a product needs numbers of its own.
 const VENDOR: u16 = 0x1209;
 const PRODUCT: u16 = 0x0001;
 /// 62 bytes of descriptors: configuration, two interfaces, what CDC adds, three endpoints.
-const DESCRIPTORS: usize = 64;
+const DESCRIPTOR_BYTES: usize = 64;
 /// The longest answer that is built: the serial number as a string descriptor.
-const CONTROL: usize = 2 + 2 * ID_DIGITS + 2;
+const CONTROL_BYTES: usize = 2 + 2 * ID_DIGITS + 2;
 /// The head of a BOS, which no host requests from a device of USB 2.0.
-const BOS: usize = 16;
+const BOS_BYTES: usize = 16;
 
 /// Memory of the device's parts.
 pub struct Memory {
-    waiting: [u8; WAITING],
-    descriptors: [u8; DESCRIPTORS],
-    bos: [u8; BOS],
-    control: [u8; CONTROL],
+    waiting: [u8; WAITING_BYTES],
+    descriptors: [u8; DESCRIPTOR_BYTES],
+    bos: [u8; BOS_BYTES],
+    control: [u8; CONTROL_BYTES],
     serial: [u8; ID_DIGITS],
     state: State<'static>,
 }
@@ -57,18 +57,18 @@ fn at_once<T>(future: impl Future<Output = T>) -> Option<T> {
 impl Port {
     /// Bytes of a packet that has arrived, if one has; more wait at the host until they are asked
     /// for.
-    pub fn receive(&mut self, packet: &mut [u8; PACKET]) -> usize {
+    pub fn receive(&mut self, packet: &mut [u8; PACKET_BYTES]) -> usize {
         at_once(self.class.read_packet(packet)).and_then(Result::ok).unwrap_or(0)
     }
 
     /// Sends the first bytes and returns how many: those of a packet, once the host has fetched the
     /// one before.
     pub fn send(&mut self, bytes: &[u8]) -> usize {
-        let packet = bytes.get(..PACKET).unwrap_or(bytes);
+        let packet = bytes.get(..PACKET_BYTES).unwrap_or(bytes);
         if !matches!(at_once(self.class.write_packet(packet)), Some(Ok(()))) {
             return 0;
         }
-        self.unended = packet.len() == PACKET;
+        self.unended = packet.len() == PACKET_BYTES;
         packet.len()
     }
 
@@ -84,10 +84,10 @@ impl Port {
 /// without a supply.
 pub fn open() -> Option<(&'static mut Device, Port)> {
     let memory = MEMORY.try_init(Memory {
-        waiting: [0; WAITING],
-        descriptors: [0; DESCRIPTORS],
-        bos: [0; BOS],
-        control: [0; CONTROL],
+        waiting: [0; WAITING_BYTES],
+        descriptors: [0; DESCRIPTOR_BYTES],
+        bos: [0; BOS_BYTES],
+        control: [0; CONTROL_BYTES],
         serial: unique_id(),
         state: State::new(),
     })?;
@@ -104,7 +104,7 @@ pub fn open() -> Option<(&'static mut Device, Port)> {
     (config.self_powered, config.max_power) = (MILLIAMPERES == 0, MILLIAMPERES);
     let mut builder =
         Builder::new(driver, config, &mut memory.descriptors, &mut memory.bos, &mut [], &mut memory.control);
-    let class = CdcAcmClass::new(&mut builder, &mut memory.state, PACKET as u16);
+    let class = CdcAcmClass::new(&mut builder, &mut memory.state, PACKET_BYTES as u16);
     let device = DEVICE.try_init(builder.build())?;
     Some((device, Port { class, unended: false }))
 }

@@ -3,7 +3,7 @@
 //! In and out: bytes of either, never waiting. Owns both. The link uses the transport over which
 //! the session in force was opened. A client may open a session anew over the other one, and then
 //! the link uses that. Fails never: a transport that takes nothing keeps its own bytes waiting.
-use crate::statics::RECEIVED;
+use crate::statics::RECEIVED_BYTES;
 #[cfg(feature = "stm32h743")]
 use crate::usb::Port;
 use dispatcher::{SecondaryTransport, Server};
@@ -101,7 +101,7 @@ impl Wire {
 /// See the module text.
 pub struct Wires {
     /// Bytes that the UART has received.
-    pub bytes: Consumer<'static, u8, RECEIVED>,
+    pub bytes: Consumer<'static, u8, RECEIVED_BYTES>,
     /// The UART's sending half.
     pub uart: Tx,
     /// USB.
@@ -135,8 +135,8 @@ impl Wires {
         }
         #[cfg(feature = "stm32h743")]
         // At most as much as the UART's queue holds: the link's timers are served in between.
-        for _ in 0..RECEIVED / hal::board::usb::PACKET {
-            let mut packet = [0; hal::board::usb::PACKET];
+        for _ in 0..RECEIVED_BYTES / hal::board::usb::PACKET_BYTES {
+            let mut packet = [0; hal::board::usb::PACKET_BYTES];
             let length = self.usb.as_mut().map_or(0, |port| port.receive(&mut packet));
             if length == 0 {
                 break;

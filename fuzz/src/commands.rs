@@ -6,7 +6,7 @@
 //! coordinate system 2, which are the model's.
 use crate::source::Source;
 use protocol::command::{COMMANDS, CommandInfo, PathMany, Request, fifo_offset};
-use protocol::path_many::{HEAD, head};
+use protocol::path_many::{HEAD_BYTES, head};
 use protocol::record::BODY_MAX;
 use zerocopy::FromBytes;
 
@@ -84,7 +84,7 @@ fn joined(out: &mut Vec<u8>, items: usize, range: Range, clocks: &mut Clocks, fr
                 request[at..at + 2].copy_from_slice(&value.to_bytes());
             }
         }
-        if out.len() + HEAD + request.len() > BODY_MAX {
+        if out.len() + HEAD_BYTES + request.len() > BODY_MAX {
             break;
         }
         out.extend(head((row.opcode, &request)));

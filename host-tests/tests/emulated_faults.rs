@@ -228,13 +228,13 @@ fn job(client: &Client) -> bool {
 /// The link-loss time of the cuts, ms.
 const LOSS_MS: u64 = 60;
 
-/// Opens a session over a road that is cut after so many bytes of the job.
+/// Opens a session over a link that is cut after so many bytes of the job.
 fn cut_job(board: &Board, bytes: usize) -> (bool, Vec<u8>) {
-    let mut road = board.road();
+    let mut link = board.client_link();
     let left = Arc::new(Mutex::new(usize::MAX));
-    road.left = Some(Arc::clone(&left));
-    let sent = Arc::clone(&road.sent);
-    let client = board.open_over(road);
+    link.left = Some(Arc::clone(&left));
+    let sent = Arc::clone(&link.sent);
+    let client = board.open_over(link);
     client.call(SetLinkLoss { time_ms: (LOSS_MS as i32).into(), stop_all: 0.into() }).unwrap();
     sent.lock().unwrap().clear();
     *left.lock().unwrap() = bytes;
@@ -305,10 +305,10 @@ fn power_on_in_every_order_is_dark_and_then_works() {
     shine(&client);
 
     // The host is cut off without a word, and another one comes.
-    let road = board.road();
+    let link = board.client_link();
     drop(client);
     map.pass(&board, 500);
-    let client = board.open_over(road);
+    let client = board.open_over(link);
     assert_eq!(reason(&client).0, 0);
     assert_dark_until_cleared(&client, 2);
 

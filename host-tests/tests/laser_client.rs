@@ -10,7 +10,7 @@ mod chance;
 #[allow(dead_code, reason = "each test file uses its part")]
 mod random;
 
-use cases::{HORIZON, cases};
+use cases::{CASE_END_US, cases};
 use chance::Chance;
 use client::{Answer, Call, Client, Observer, Options};
 use host_tests::laser_model::{Command, Edge, Exact, Family, Job, Mode, Ns, Outcome, outcome};
@@ -196,7 +196,7 @@ fn the_rules_hold_over_the_link() {
     for case in cases() {
         if case.job.iter().all(|(_, command)| belongs(command)) {
             let rig = rigs.iter().find(|rig| rig.family == case.family).unwrap();
-            edges += rig.check(case.name, &case.job, count % 2, HORIZON * 1000);
+            edges += rig.check(case.name, &case.job, count % 2, CASE_END_US * 1000);
             count += 1;
         }
     }

@@ -10,21 +10,21 @@ use trace::{
     VcdWriter,
 };
 
-const TICK: u64 = 250_000;
+const TICK_NS: u64 = 250_000;
 
 fn header(lasers: &[u8]) -> Header {
     Header {
         axes: vec![AxisName { core: 1, axis: 1 }],
         lasers: lasers.iter().map(|k| LaserName(*k)).collect(),
         crds: vec![],
-        period_ns: TICK,
+        period_ns: TICK_NS,
         every: 1,
     }
 }
 
 fn row(index: u32, pulses: f64, lasers: Vec<LaserPoint>) -> Row {
     let axis = AxisPoint { pos: Pos((pulses * f64::from(1 << 22)) as i64), vel: Scaled::default() };
-    Row { index, t_ns: u64::from(index) * TICK, axes: vec![axis], lasers, crds: vec![] }
+    Row { index, t_ns: u64::from(index) * TICK_NS, axes: vec![axis], lasers, crds: vec![] }
 }
 
 fn point(gate: bool, power: f64, unit: PowerUnit, khz: f64) -> LaserPoint {
@@ -105,16 +105,16 @@ fn whole(whole: u64) -> Count {
 fn marks(options: PlotOptions, rows: u32, period: u32, unit: PowerUnit) -> Plot {
     let mut plot = Plot::new(&header(&[0]), options).unwrap();
     for index in 0..rows {
-        let t_ns = u64::from(index) * TICK;
+        let t_ns = u64::from(index) * TICK_NS;
         let on = t_ns % 30_000_000 < 20_000_000 && index > 0;
         let duty = 10.0 + 70.0 * f64::from(index) / f64::from(rows);
         if index > 0 {
-            let begin = t_ns - TICK;
+            let begin = t_ns - TICK_NS;
             plot.change(0, &SignalChange::Switch { at: begin + 1_000, level: on });
             if on {
                 let width = whole((f64::from(period) * duty / 100.0) as u64);
                 let train = Train { period: whole(period.into()), width };
-                plot.change(0, &SignalChange::Pulses(Burst::new(begin + 1_000, TICK / u64::from(period), train)));
+                plot.change(0, &SignalChange::Pulses(Burst::new(begin + 1_000, TICK_NS / u64::from(period), train)));
             }
         }
         let khz = 1e6 / f64::from(period);

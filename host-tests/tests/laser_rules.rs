@@ -7,14 +7,14 @@ mod cases;
 mod player;
 
 use bench::Bench;
-use cases::{Case, HORIZON, cases};
+use cases::{CASE_END_US, Case, cases};
 use host_tests::laser_model::{Edge, Exact, Ns, outcome};
 
 /// Active times in µs of a list of edges.
 fn active(edges: &[Edge<bool>]) -> Vec<(i64, i64)> {
     let ends = edges.chunks(2).map(|pair| {
         assert!(pair[0].1, "a falling edge first");
-        (us(pair[0].0), pair.get(1).map_or(HORIZON, |&(at, _)| us(at)))
+        (us(pair[0].0), pair.get(1).map_or(CASE_END_US, |&(at, _)| us(at)))
     });
     ends.collect()
 }
@@ -39,7 +39,7 @@ fn merged(times: &[(i64, i64)]) -> Vec<(i64, i64)> {
 #[test]
 fn the_model_holds_every_rule() {
     for Case { name, family, job, switch, energy, analog, light } in cases() {
-        let result = outcome(family, &job, HORIZON * 1000);
+        let result = outcome(family, &job, CASE_END_US * 1000);
         assert_eq!(active(&result.switch), switch, "{name}: switch");
         assert_eq!(active(&result.energy), merged(&energy), "{name}: energy");
         let volts: Vec<_> = analog.iter().map(|&(at, mv)| (at * 1000, Exact::new(mv.into(), 1000))).collect();
@@ -47,7 +47,7 @@ fn the_model_holds_every_rule() {
         let spans: Vec<_> = result.light.iter().map(|span| (us(span.begin), us(span.end))).collect();
         assert_eq!(spans, light, "{name}: light");
         let sum: i64 = light.iter().map(|(begin, end)| end - begin).sum();
-        assert_eq!(result.on_time(HORIZON * 1000), sum * 1000, "{name}: on-time");
+        assert_eq!(result.on_time(CASE_END_US * 1000), sum * 1000, "{name}: on-time");
     }
 }
 
@@ -56,8 +56,8 @@ fn the_tick_holds_every_rule() {
     let mut bench = Bench::new();
     for plans in [false, true] {
         for Case { name, family, job, switch, energy, analog, light } in cases() {
-            let result = outcome(family, &job, HORIZON * 1000);
-            let [done, idle] = bench.run(family, [&job, &[]], 10_000, HORIZON * 1000, Some(1), plans);
+            let result = outcome(family, &job, CASE_END_US * 1000);
+            let [done, idle] = bench.run(family, [&job, &[]], 10_000, CASE_END_US * 1000, Some(1), plans);
             assert_eq!(done.outputs, done.stage, "{name}: the boards' output stage");
             assert_eq!(active(&done.outputs.switch), switch, "{name}: switch");
             assert_eq!(active(&done.outputs.energy), merged(&energy), "{name}: energy");
@@ -70,7 +70,7 @@ fn the_tick_holds_every_rule() {
             let sum: i64 = light.iter().map(|(begin, end)| end - begin).sum();
             let (_, last) = done.views.last().unwrap();
             assert_eq!(i64::from(last.on_time), sum / 250, "{name}: on-time");
-            for (at, view) in done.views.iter().filter(|(at, _)| *at < HORIZON * 1000) {
+            for (at, view) in done.views.iter().filter(|(at, _)| *at < CASE_END_US * 1000) {
                 if result.faults.contains(at) {
                     continue;
                 }

@@ -9,12 +9,12 @@ mod work;
 use num_rational::BigRational;
 use std::time::{Duration, Instant};
 use virtual_board::{Board, Config, Shared, share};
-use work::{ROUND_TICKS, SETUP, STREAM, TICK_US, round, run};
+use work::{ROUND_TICKS, SETUP, STREAM_PULSES, TICK_US, round, run};
 
 const ROUND: Duration = Duration::from_micros(ROUND_TICKS * TICK_US);
-const PT_PASS: f64 = 400.1;
-const PVT_PASS: f64 = 12.7;
-const JOG: f64 = 0.7;
+const PT_PASS_PULSES: f64 = 400.1;
+const PVT_PASS_PULSES: f64 = 12.7;
+const JOG_PULSES_PER_MS: f64 = 0.7;
 
 /// What is compared from checkpoint to checkpoint.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,15 +73,15 @@ fn nothing_drifts_overflows_or_grows() {
         let gone: [i64; 8] = std::array::from_fn(|axis| now.pos[axis] - first.pos[axis]);
         // A knot is rounded to 2⁻²² pulse, once here and once at the first checkpoint; nothing is
         // added from pass to pass.
-        assert!(off(gone[0], done * 125, PT_PASS).abs() <= 2, "PT after {done} rounds: {now:?}");
-        assert!(off(gone[1], done * 200, PVT_PASS).abs() <= 2, "PVT after {done} rounds: {now:?}");
+        assert!(off(gone[0], done * 125, PT_PASS_PULSES).abs() <= 2, "PT after {done} rounds: {now:?}");
+        assert!(off(gone[1], done * 200, PVT_PASS_PULSES).abs() <= 2, "PVT after {done} rounds: {now:?}");
         // Speeds of a Jog have 2⁻⁶⁴ and better; a bound that a drift of 10⁻¹² of the way would
         // break.
-        let jog = off(gone[2], done * 62_500, JOG);
+        let jog = off(gone[2], done * 62_500, JOG_PULSES_PER_MS);
         assert!(jog.abs() <= 2 + (done as i64 >> 6), "Jog after {done} rounds is {jog} off: {now:?}");
         assert!((gone[3] - gone[0] * 3 / 8).abs() <= 4, "Follow after {done} rounds: {now:?}");
         assert_eq!(now.pos[4..7], [0, 0, 0], "the square and the Trap moves are closed");
-        assert_eq!(off(gone[7], done, STREAM), 0, "the stream after {done} rounds");
+        assert_eq!(off(gone[7], done, STREAM_PULSES), 0, "the stream after {done} rounds");
         assert_eq!(u64::from(now.on_time[1].wrapping_sub(first.on_time[1])), done * ROUND_TICKS, "on-time");
         assert!(now.on_time[0] > 0 && now.fault == [servo::laser::Cause::None; 2], "{now:?}");
         if done == 2 {

@@ -19,9 +19,9 @@ use random::{Effect, Random, fits, random, set_up, undisturbed};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Paths of a program.
-const GROUP: u64 = 20;
+const GROUP_PATHS: u64 = 20;
 /// What an edge may be off, ns.
-const OFF: f64 = 5.0;
+const EDGE_TOLERANCE_NS: f64 = 5.0;
 
 /// A channel in analog mode, and axes that may move.
 fn begin(family: Family) -> String {
@@ -115,7 +115,7 @@ fn group(number: u64) -> Vec<Random> {
     let chance = &mut Chance::new(number);
     let mut from = [0.0; 4];
     let mut paths = Vec::new();
-    while paths.len() < GROUP as usize {
+    while paths.len() < GROUP_PATHS as usize {
         let path = random(chance, from, 30, 0);
         let course = undisturbed(&path);
         let waits = |entry: &Entry| matches!(entry, Entry::Delay(_));
@@ -161,7 +161,7 @@ fn check(machine: &Machine, number: u64) -> (f64, usize) {
         let theirs: Vec<_> = done.iter().filter(|edge| edge.1 == output).collect();
         for (index, (mine, theirs)) in mine.iter().zip(&theirs).enumerate() {
             let off = theirs.0 as f64 - mine.0;
-            let good = off >= -OFF && off <= OFF + mine.1 && mine.3 == theirs.2;
+            let good = off >= -EDGE_TOLERANCE_NS && off <= EDGE_TOLERANCE_NS + mine.1 && mine.3 == theirs.2;
             assert!(good, "{output:?} edge {index} is {off} ns off: {mine:?}, the machine {theirs:?}; {}", reported());
             if mine.1 == 0.0 {
                 worst = worst.max(off.abs());
@@ -182,7 +182,7 @@ fn paths() -> u64 {
 #[test]
 fn the_models_instants_are_exact() {
     let (mut worst, mut seen) = (0.0f64, 0);
-    for number in 0..paths().div_ceil(GROUP) {
+    for number in 0..paths().div_ceil(GROUP_PATHS) {
         for path in group(number) {
             let course = undisturbed(&path);
             let (effects, end) = exact::instants(&path.frame, &path.entries);
@@ -207,8 +207,8 @@ fn edges_at_boundaries_are_where_the_model_has_them() {
         .split(',')
         .map(|us| us.parse::<Ns>().expect("a number of µs") * 1000)
         .collect();
-    let from = std::env::var("PATHS_FROM").map_or(0, |text| text.parse().expect("a number")) / GROUP;
-    let groups = from + paths.div_ceil(GROUP);
+    let from = std::env::var("PATHS_FROM").map_or(0, |text| text.parse().expect("a number")) / GROUP_PATHS;
+    let groups = from + paths.div_ceil(GROUP_PATHS);
     let next = AtomicU64::new(from);
     let found = std::sync::Mutex::new((0.0f64, 0));
     std::thread::scope(|scope| {
@@ -226,16 +226,16 @@ fn edges_at_boundaries_are_where_the_model_has_them() {
                         let mut found = found.lock().unwrap();
                         *found = (found.0.max(worst), found.1 + edges);
                     }
-                    if (number + 1).is_multiple_of(1000 / GROUP) {
+                    if (number + 1).is_multiple_of(1000 / GROUP_PATHS) {
                         let (worst, edges) = *found.lock().unwrap();
-                        println!("up to path {}: {edges} edges, at most {worst:.3} ns off", (number + 1) * GROUP);
+                        println!("up to path {}: {edges} edges, at most {worst:.3} ns off", (number + 1) * GROUP_PATHS);
                     }
                 }
             });
         }
     });
     let (worst, edges) = *found.lock().unwrap();
-    let paths = (groups - from) * GROUP;
+    let paths = (groups - from) * GROUP_PATHS;
     println!("{paths} paths at ticks of {ticks:?} ns: {edges} edges, at most {worst:.3} ns off");
     assert!(edges as u64 > paths * ticks.len() as u64 * 4);
 }

@@ -18,10 +18,10 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use virtual_board::{Output, Shared, VirtualLink};
 
-const TICK: u64 = 50_000;
+const TICK_NS: u64 = 50_000;
 const MS: u64 = 1_000_000;
 /// After the loss, ms: longer than any braking.
-const DARK: u64 = 400;
+const DARK_AFTER_MS: u64 = 400;
 
 struct Path {
     /// The set-up, and the entries of each motion.
@@ -87,9 +87,9 @@ fn ways(points: &[[f64; 2]], places: &[[f64; 2]]) -> Result<Vec<f64>, String> {
     Ok(ways)
 }
 
-/// What happens on the road between client and controller.
+/// What happens on the link between client and controller.
 #[derive(Default)]
-struct Road {
+struct LinkRecord {
     /// From this instant on nothing comes through.
     cut: Option<u64>,
     /// When something did last.
@@ -101,33 +101,33 @@ struct Road {
 struct Over {
     link: VirtualLink,
     board: Shared,
-    road: Arc<Mutex<Road>>,
+    record: Arc<Mutex<LinkRecord>>,
 }
 
 impl Over {
     fn is_cut(&self) -> bool {
         let now = self.board.lock().unwrap().now();
-        self.road.lock().unwrap().cut.is_some_and(|cut| now >= cut)
+        self.record.lock().unwrap().cut.is_some_and(|cut| now >= cut)
     }
 }
 
 impl Link for Over {
     fn name(&self) -> &str {
-        "a road that is cut"
+        "a link that is cut"
     }
 
     fn send(&mut self, bytes: &[u8]) -> client::Result<()> {
         if self.is_cut() {
             return Ok(());
         }
-        self.road.lock().unwrap().heard = self.board.lock().unwrap().now();
+        self.record.lock().unwrap().heard = self.board.lock().unwrap().now();
         self.link.send(bytes)
     }
 
     fn receive(&mut self, buf: &mut [u8], wait: Duration) -> client::Result<usize> {
         if !self.is_cut() {
             let now = self.board.lock().unwrap().now();
-            let until = self.road.lock().unwrap().cut.map_or(wait, |cut| wait.min(Duration::from_nanos(cut - now)));
+            let until = self.record.lock().unwrap().cut.map_or(wait, |cut| wait.min(Duration::from_nanos(cut - now)));
             return self.link.receive(buf, until);
         }
         let mut board = self.board.lock().unwrap();
@@ -136,10 +136,10 @@ impl Link for Over {
         while board.now() < end {
             let tick = board.now();
             while board.now() == tick {
-                board.advance(TICK, &mut nowhere);
+                board.advance(TICK_NS, &mut nowhere);
             }
             let place = [0, 1].map(|axis| board.set_point(axis) as f64 / f64::from(1 << 22));
-            self.road.lock().unwrap().places.push(place);
+            self.record.lock().unwrap().places.push(place);
         }
         Ok(0)
     }
@@ -181,14 +181,14 @@ fn dark(before: &[(u64, bool)], after: &[(u64, bool)], lost: u64) -> Result<(), 
     let reported = || format!("lost at {lost}: light {before:?}, then {after:?}");
     let good = before.last().is_some_and(|edge| edge.1)
         && after.len() == 2
-        && after.iter().all(|&(at, on)| !on && (lost..=lost + 2 * TICK).contains(&at));
+        && after.iter().all(|&(at, on)| !on && (lost..=lost + 2 * TICK_NS).contains(&at));
     if good { Ok(()) } else { Err(reported()) }
 }
 
 /// It brakes along its way from tick `lost` on, no harder than a Stop does and no longer. The
 /// hardest, as a part of that.
 fn brakes(path: &Path, places: &[[f64; 2]], lost: usize) -> Result<f64, String> {
-    let tick = TICK as f64 / 1e6;
+    let tick = TICK_NS as f64 / 1e6;
     let ways = ways(&path.points, places)?;
     let speed = |k: usize| (ways[k + 1] - ways[k]) / tick;
     let rest = (0..places.len()).rev().find(|&k| places[k] != places[places.len() - 1]).map_or(0, |k| k + 1);
@@ -234,19 +234,19 @@ fn readable(client: &Client, at: [f64; 2]) -> Result<(), String> {
     if reported(13) && reported(2) { Ok(()) } else { Err(format!("no event tells it: {events:?}")) }
 }
 
-fn machine(limit: u64) -> (Machine, Arc<Mutex<Road>>) {
-    let road: Arc<Mutex<Road>> = Arc::default();
-    let machine = Machine::over(Family::Gus, TICK as i64, |board| {
-        Box::new(Over { link: VirtualLink::new(board.clone()), board, road: Arc::clone(&road) })
+fn machine(limit: u64) -> (Machine, Arc<Mutex<LinkRecord>>) {
+    let record: Arc<Mutex<LinkRecord>> = Arc::default();
+    let machine = Machine::over(Family::Gus, TICK_NS as i64, |board| {
+        Box::new(Over { link: VirtualLink::new(board.clone()), board, record: Arc::clone(&record) })
     });
     machine.client.call(SetLinkLoss { time_ms: (limit as i32).into(), stop_all: 0.into() }).unwrap();
-    (machine, road)
+    (machine, record)
 }
 
 /// Everything is given before the start; the program is over when the link goes.
 fn left(chance: &mut Chance, path: &Path) -> Result<f64, String> {
     let limit = 20 + chance.below(60);
-    let (machine, road) = machine(limit);
+    let (machine, record) = machine(limit);
     let client = &machine.client;
     let ran = machine.run(&(path.text.clone() + &path.lines.concat() + "GT_CrdStart(1,0);\n"));
     let mut done = ran.outputs.len();
@@ -262,13 +262,13 @@ fn left(chance: &mut Chance, path: &Path) -> Result<f64, String> {
         return Err(format!("nothing is held at the loss, after {runs} ms: {before:?}"));
     }
     let cut = machine.board.lock().unwrap().now();
-    road.lock().unwrap().cut = Some(cut);
-    client.sleep(Duration::from_millis(limit + DARK)).unwrap();
-    let Road { heard, places, .. } = std::mem::take(&mut *road.lock().unwrap());
+    record.lock().unwrap().cut = Some(cut);
+    client.sleep(Duration::from_millis(limit + DARK_AFTER_MS)).unwrap();
+    let LinkRecord { heard, places, .. } = std::mem::take(&mut *record.lock().unwrap());
     let mut after = Vec::new();
     done += take(&machine.board, &mut after);
     dark(&lit, &after, heard + limit * MS)?;
-    let hardest = brakes(path, &places, ((heard + limit * MS).saturating_sub(cut) / TICK) as usize)?;
+    let hardest = brakes(path, &places, ((heard + limit * MS).saturating_sub(cut) / TICK_NS) as usize)?;
     readable(client, places[places.len() - 1])?;
     // On to the end.
     client.call(ClrLaserFault { core: 1.into(), channel: 0.into() }).unwrap();
@@ -298,7 +298,7 @@ fn left(chance: &mut Chance, path: &Path) -> Result<f64, String> {
 /// A program streams while the link goes.
 fn streaming(chance: &mut Chance, path: &Path) -> Result<f64, String> {
     let limit = 200 + chance.below(100);
-    let (machine, road) = machine(limit);
+    let (machine, record) = machine(limit);
     let mut text = path.text.clone();
     for (index, line) in path.lines.iter().enumerate() {
         text += line;
@@ -312,18 +312,18 @@ fn streaming(chance: &mut Chance, path: &Path) -> Result<f64, String> {
     text += "Sleep(1000);\nGT_BufIO(1,12,2,2,0);\nGT_SetDoBit(12,2,0);\nWaitStop(256);\n";
     machine.board.lock().unwrap().take_beam();
     let cut = machine.board.lock().unwrap().now() + (80 + chance.below(100)) * MS;
-    road.lock().unwrap().cut = Some(cut);
+    record.lock().unwrap().cut = Some(cut);
     let failed = machine.try_run(&text).err().ok_or("nothing failed")?;
-    let heard = road.lock().unwrap().heard;
+    let heard = record.lock().unwrap().heard;
     let lost = heard + limit * MS;
     let mut all = Vec::new();
     take(&machine.board, &mut all);
     let (before, after): (Vec<_>, Vec<_>) = all.into_iter().partition(|edge| edge.0 < lost);
     dark(&before, &after, lost).map_err(|reported| format!("{failed}: {reported}"))?;
-    let places = std::mem::take(&mut road.lock().unwrap().places);
-    let hardest = brakes(path, &places, (lost.saturating_sub(cut) / TICK) as usize)?;
+    let places = std::mem::take(&mut record.lock().unwrap().places);
+    let hardest = brakes(path, &places, (lost.saturating_sub(cut) / TICK_NS) as usize)?;
     // The host ends its session and opens another one.
-    road.lock().unwrap().cut = None;
+    record.lock().unwrap().cut = None;
     let Machine { board, client: gone, .. } = machine;
     drop(gone);
     let client = &Client::open(Box::new(VirtualLink::new(board.clone())), Options::default()).unwrap();

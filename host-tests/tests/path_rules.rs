@@ -12,11 +12,11 @@ use protocol::command::{
 };
 use rules::{END, LIGHT, MOTION, Rule};
 
-const TICK: Ns = 250_000;
+const TICK_NS: Ns = 250_000;
 /// The script clock at GO.
-const GO: Ns = 100_000_000;
+const GO_NS: Ns = 100_000_000;
 /// ms after the last statement.
-const TAIL: i64 = 170;
+const TAIL_MS: i64 = 170;
 
 fn text(rule: &Rule) -> String {
     let mut text =
@@ -38,7 +38,7 @@ fn text(rule: &Rule) -> String {
     let wait = 100 - before;
     let go = if rule.body.contains("GO2") { "" } else { "GT_CrdStart(1,0);" };
     let body = rule.body.replace("GO2", "GO").replace("GO", &format!("Sleep({wait});{go}"));
-    (text + &body + &format!("Sleep({TAIL});\n")).replace(';', ";\n")
+    (text + &body + &format!("Sleep({TAIL_MS});\n")).replace(';', ";\n")
 }
 
 /// Compares with what is reported; times of the rule count from here.
@@ -63,8 +63,8 @@ fn differs(rule: &Rule, reported: &Reported, zero: Ns) -> Result<(), String> {
     spans("output", &general, rule.output)?;
     let row = |ms: f64| {
         let at = ns(ms);
-        assert_eq!(at % TICK, 0, "{ms} ms is no tick");
-        &reported.rows[(at / TICK) as usize]
+        assert_eq!(at % TICK_NS, 0, "{ms} ms is no tick");
+        &reported.rows[(at / TICK_NS) as usize]
     };
     for &(ms, axis, place) in rule.places {
         let found = row(ms).axes[axis - 1].pos.0 as f64 / f64::from(1 << 22);
@@ -87,13 +87,13 @@ fn differs(rule: &Rule, reported: &Reported, zero: Ns) -> Result<(), String> {
 }
 
 fn judge(rules: &[Rule]) {
-    let machines = [Family::Gus, Family::Lsr].map(|family| Machine::new(family, TICK).traced(0b1111, 0b11));
+    let machines = [Family::Gus, Family::Lsr].map(|family| Machine::new(family, TICK_NS).traced(0b1111, 0b11));
     let mut failed = Vec::new();
     for rule in rules {
         let machine = machines.iter().find(|machine| machine.family == rule.family).unwrap();
         machine.reset();
         let text = text(rule);
-        let outcome = machine.try_run(&text).and_then(|reported| differs(rule, &reported, GO + TICK));
+        let outcome = machine.try_run(&text).and_then(|reported| differs(rule, &reported, GO_NS + TICK_NS));
         if let Err(reason) = outcome {
             failed.push(format!("{}: {reason}\n{}", rule.name, numbered(&text)));
         }
@@ -112,7 +112,7 @@ fn light() {
 }
 
 fn machine() -> Machine {
-    Machine::new(Family::Gus, TICK).traced(0b11, 0b11)
+    Machine::new(Family::Gus, TICK_NS).traced(0b11, 0b11)
 }
 
 /// 15 ms over 100 pulses; 1 more cannot stop: from √98 pulse/ms, 0.1005… ms later, nothing is left.
@@ -130,7 +130,7 @@ fn an_underrun_is_dark_and_latched_on_every_mapped_channel() {
     let machine = machine();
     machine.reset();
     let reported = machine.run(&text(&rule));
-    let zero = GO + TICK;
+    let zero = GO_NS + TICK_NS;
     let faults: Vec<i16> = reported.replies::<GetLaserFault>().iter().map(|fault| fault.value.get()).collect();
     assert_eq!(faults, [9, 9, 0, 9]);
     let end = zero as f64 + (15.0 + 10.0 - 98f64.sqrt()) * 1e6;
@@ -138,14 +138,14 @@ fn an_underrun_is_dark_and_latched_on_every_mapped_channel() {
     assert_eq!(first.switch[0], (zero, true));
     for beams in [first, second] {
         let dark = beams.switch[1];
-        assert!(!dark.1 && dark.0 as f64 >= end - 1.0 && dark.0 as f64 <= end + TICK as f64, "{dark:?} for {end}");
+        assert!(!dark.1 && dark.0 as f64 >= end - 1.0 && dark.0 as f64 <= end + TICK_NS as f64, "{dark:?} for {end}");
     }
     // The next path moves in the dark; the one after the clear, from 65 ms on, has light on the
     // cleared channel.
     assert_eq!(first.switch.len(), 4);
     assert_eq!(first.switch[2], (zero + 65_000_000, true));
     assert_eq!(second.switch.len(), 2);
-    let place = |ms: i64| reported.rows[((zero + ms * 1_000_000) / TICK) as usize].axes[0].pos.0 >> 22;
+    let place = |ms: i64| reported.rows[((zero + ms * 1_000_000) / TICK_NS) as usize].axes[0].pos.0 >> 22;
     assert_eq!([place(20), place(60), place(100)], [101, 200, 300]);
 }
 

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use trace::{Item, Reader};
 use virtual_board::{Board, Config, Shared, VirtualLink, share};
 
-const TICK: u64 = 250_000;
+const TICK_NS: u64 = 250_000;
 
 fn open() -> (Client, Shared) {
     let board = share(Board::new(Config::default()));
@@ -154,15 +154,18 @@ fn the_trace_reports_every_edge_of_the_outputs() {
         let [first, second] = edges;
         // By hand: on at the first tick, 77 µs later the first pulse of 37.5 % of 3.000003 µs; off
         // 130 µs late.
-        assert_eq!(first.switch[..2], [(TICK + 77_000, true), (2_750_000 + 130_000, false)]);
-        let light = first.energy.iter().position(|edge| *edge == (TICK + 77_000, true)).unwrap();
-        assert_eq!(first.energy[light + 1..light + 3], [(TICK + 77_000 + 1_125, false), (TICK + 77_000 + 3_000, true)]);
+        assert_eq!(first.switch[..2], [(TICK_NS + 77_000, true), (2_750_000 + 130_000, false)]);
+        let light = first.energy.iter().position(|edge| *edge == (TICK_NS + 77_000, true)).unwrap();
+        assert_eq!(
+            first.energy[light + 1..light + 3],
+            [(TICK_NS + 77_000 + 1_125, false), (TICK_NS + 77_000 + 3_000, true)]
+        );
         // Another mode at 6.25 ms ends everything, and 5 V are output 77 µs later.
         assert!(first.energy.last().unwrap().0 <= 6_250_000);
         assert_eq!(first.dac[..2], [(6_250_000 + 77_000, 16_384), (7_250_000, 32_767)]);
         // FPK: 55 µs on the switch, pulses from 31 µs on, 40 µs each.
-        assert_eq!(second.switch, [(TICK, true), (TICK + 55_000, false)]);
-        assert_eq!(second.energy[..2], [(TICK + 31_000, true), (TICK + 71_000, false)]);
+        assert_eq!(second.switch, [(TICK_NS, true), (TICK_NS + 55_000, false)]);
+        assert_eq!(second.energy[..2], [(TICK_NS + 31_000, true), (TICK_NS + 71_000, false)]);
         assert!(
             first.energy.len() > 1_500 && second.energy.len() > 30,
             "{} {}",
@@ -300,7 +303,7 @@ fn the_interlock_acts_between_two_ticks() {
         let (free, tick) = stopped_after(calls, None);
         // Over two ticks, the first and last ns of one, and a tick itself.
         let sweep = (1..40).map(|step| step * 12_547);
-        for ns in sweep.chain([1, TICK - 1, TICK, TICK + 1]) {
+        for ns in sweep.chain([1, TICK_NS - 1, TICK_NS, TICK_NS + 1]) {
             let (edges, again) = stopped_after(calls, Some(ns));
             assert_eq!(tick, again, "the runs are the same until then");
             let at = tick + ns;
@@ -308,13 +311,13 @@ fn the_interlock_acts_between_two_ticks() {
                 let expected = Edges {
                     energy: rests_at(&free.energy, at),
                     switch: rests_at(&free.switch, at),
-                    dac: rests_at(&free.dac, at.next_multiple_of(TICK)),
+                    dac: rests_at(&free.dac, at.next_multiple_of(TICK_NS)),
                 };
                 assert_eq!(*edges, expected, "{calls} calls, channel {channel}, {ns} ns behind the tick");
                 let [energy, switch, dac] = &mut cut[channel];
-                *energy += u32::from(!at.is_multiple_of(TICK) && expected.energy.last() == Some(&(at, false)));
-                *switch += u32::from(!at.is_multiple_of(TICK) && expected.switch.last() == Some(&(at, false)));
-                *dac += u32::from(expected.dac.last() == Some(&(at.next_multiple_of(TICK), 0)));
+                *energy += u32::from(!at.is_multiple_of(TICK_NS) && expected.energy.last() == Some(&(at, false)));
+                *switch += u32::from(!at.is_multiple_of(TICK_NS) && expected.switch.last() == Some(&(at, false)));
+                *dac += u32::from(expected.dac.last() == Some(&(at.next_multiple_of(TICK_NS), 0)));
             }
         }
     }
@@ -362,6 +365,6 @@ fn the_trace_reports_that_everything_rests() {
     let reported = reported.lock().unwrap();
     assert_eq!(reported.0, outputs);
     let last = reported.0[0].switch.last().copied();
-    assert!(last.is_some_and(|(at, level)| !level && at % TICK == 0 && at < reported.1), "{last:?}");
+    assert!(last.is_some_and(|(at, level)| !level && at % TICK_NS == 0 && at < reported.1), "{last:?}");
     assert!(reported.0[0].energy.last().is_some_and(|edge| !edge.1 && edge.0 <= last.map_or(0, |last| last.0)));
 }

@@ -38,7 +38,7 @@ pub enum SignalChange {
 }
 
 /// End of a period that does not end.
-const NEVER: u64 = u64::MAX;
+const NEVER_NS: u64 = u64::MAX;
 
 /// A pulse that has begun.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +50,7 @@ struct Pulse {
 }
 
 /// Actions of the interval in force and of the next one.
-const WAITING: usize = 2 * PLAN_ACTIONS;
+const WAITING_ACTIONS: usize = 2 * PLAN_ACTIONS;
 
 /// A channel's outputs.
 #[derive(Debug, Clone)]
@@ -70,7 +70,7 @@ pub struct OutputStage {
     pulse: Option<Pulse>,
     /// The interlock holds energy and switch in the safe state, whatever the plans are.
     held: bool,
-    waiting: [(u64, Action); WAITING],
+    waiting: [(u64, Action); WAITING_ACTIONS],
     first: usize,
     end: usize,
     /// A last pulse is finished if it ends within this time.
@@ -97,7 +97,7 @@ impl OutputStage {
             owed: 0,
             pulse: None,
             held: false,
-            waiting: [(0, Action::Switch(false)); WAITING],
+            waiting: [(0, Action::Switch(false)); WAITING_ACTIONS],
             first: 0,
             end: 0,
             finish,
@@ -248,13 +248,13 @@ impl OutputStage {
     fn rate(&mut self, at: u64, rate: &PulseRate) {
         let left = match self.period {
             None => 0,
-            Some((_, NEVER)) => self.begins,
+            Some((_, NEVER_NS)) => self.begins,
             Some((_, end)) => end.saturating_sub(at),
         };
         self.train = rate.train();
         if rate.is_pause() {
             if let Some((_, end)) = &mut self.period {
-                (self.begins, *end) = (left, NEVER);
+                (self.begins, *end) = (left, NEVER_NS);
             }
             return;
         }

@@ -2,125 +2,21 @@
 //!
 //! The timer here is the plainest one: it counts one cycle after the other. The model,
 //! [`OutputStage`], has no cycles. Pulses of a steady train may come in another order than the
-//! model's within a tick (SPEC 11): the longer periods of [`TOGETHER`] come first.
-#[path = "../../servo/tests/chance/mod.rs"]
-mod chance;
+//! model's within a tick (SPEC 11): the longer periods of [`TOGETHER_PERIODS`] come first.
+mod pwm_plans;
 
-use chance::Chance;
 use plant::beam::{OutputStage, SignalChange};
+use pwm_plans::{BEGIN_COUNTS, MHZ, Random, SCALE, counts, held};
 use servo::laser::{Action, Clock, Count, LaserPlan, PLAN_ACTIONS, Power, PulseRate, Standby, Train};
-use servo::output::{
-    Cycle, CycleRing, DELAY_LINE_WORDS, DelayLine, GATE_MIN_COUNTS, GateCycles, PWM_MIN_COUNTS, PwmCycles, RingSlots,
-    Scale,
-};
-use std::sync::atomic::{AtomicU16, AtomicU32, Ordering};
+use servo::output::{Cycle, DELAY_LINE_WORDS, DelayLine, GATE_MIN_COUNTS, GateCycles, PWM_MIN_COUNTS, PwmCycles};
+use std::sync::atomic::AtomicU32;
 
-const MHZ: u16 = 240;
-const SCALE: Scale = Scale::of_mhz(MHZ);
 /// 100 µs.
-const FINISH: u64 = 24_000;
+const FINISH_COUNTS: u64 = 24_000;
 /// Periods that are put in order at once, and how far the first half of them takes a pulse from its
 /// place: n/2 of n periods are one count longer, where the mean is half a count.
-const TOGETHER: usize = 256;
-const SHIFT: u64 = TOGETHER as u64 / 4;
-
-struct Random {
-    chance: Chance,
-    /// Pulses nearly as wide as their periods, too, and of less than a count: which of them touch
-    /// the next one, or exist, depends on their order.
-    extreme: bool,
-}
-
-impl Random {
-    fn new(seed: u64) -> Random {
-        Random { chance: Chance::new(seed), extreme: true }
-    }
-
-    fn below(&mut self, bound: u64) -> u64 {
-        self.chance.below(bound)
-    }
-
-    /// Evenly spread over the magnitudes of `from` to `to`.
-    fn magnitude(&mut self, from: u64, to: u64) -> u64 {
-        let exponent = (to as f64 / from as f64).ln() * self.below(1 << 20) as f64 / f64::from(1 << 20);
-        ((from as f64 * exponent.exp()) as u64).clamp(from, to)
-    }
-
-    /// 2 MHz to a tenth of a Hz.
-    fn train(&mut self) -> Train {
-        if self.below(8) == 0 {
-            return Train::NONE;
-        }
-        let longest = [1_000, 100_000, 2_400_000_000][self.below(3) as usize];
-        let whole = if self.below(3) == 0 { 120 } else { self.magnitude(120, longest) };
-        let of = [0, 7, 12, 10_000][self.below(4) as usize];
-        let count = |random: &mut Random, whole| {
-            let part = random.below(if of == 0 { 1 << 32 } else { u64::from(of) }) as u32;
-            Count { whole, part: if random.below(2) == 0 { part } else { 0 }, of }
-        };
-        let period = count(self, whole);
-        let wide = match self.below(6) {
-            0 => 0,
-            1 if self.extreme => whole - 1,
-            2 => return Train { period, width: period },
-            3 => self.magnitude(1, whole - 2),
-            _ => self.below(whole - 1),
-        };
-        let width = count(self, wide);
-        Train { period, width: if wide == 0 && !self.extreme { Count { part: 0, ..width } } else { width } }
-    }
-
-    fn action(&mut self) -> Action {
-        let train = self.train();
-        match self.below(5) {
-            0 => Action::Light(train),
-            1 => {
-                Action::Dark { standby: if self.below(2) == 0 { Train::NONE } else { train }, cut: self.below(2) == 0 }
-            }
-            2 => Action::Switch(self.below(2) == 0),
-            3 if self.below(3) == 0 => self.rate(train),
-            _ => Action::Change(train),
-        }
-    }
-
-    /// A rate, or a pause; the remainder of the period in progress becomes up to eight times as
-    /// long.
-    fn rate(&mut self, train: Train) -> Action {
-        if train.is_none() {
-            return Action::Rate(PulseRate::PAUSE);
-        }
-        let period = Count { of: 0, ..train.period };
-        let width = train.width.whole.min(period.whole - 1) as u32;
-        let scale = 1 << 63 | self.below(1 << 31) << 32;
-        Action::Rate(PulseRate { period, width, scale, shift: 60 + self.below(4) as u32 })
-    }
-
-    fn plan(&mut self, lasts: u32) -> LaserPlan {
-        let mut plan = LaserPlan::EMPTY;
-        plan.lasts = lasts;
-        let actions = match self.below(20) {
-            0 => PLAN_ACTIONS as u64,
-            1..6 => self.below(6),
-            _ => 0,
-        };
-        let mut instants: Vec<u64> = (0..actions).map(|_| self.below(lasts.into())).collect();
-        // Some close together, and on the interval's own beginning.
-        for at in 1..instants.len() {
-            if self.below(3) == 0 {
-                instants[at] = (instants[at - 1] + self.below(600)).min(u64::from(lasts) - 1);
-            }
-        }
-        if let Some(first) = instants.first_mut().filter(|_| self.below(2) == 0) {
-            *first = 0;
-        }
-        instants.sort();
-        for at in instants {
-            let action = self.action();
-            plan.add(at as u32, action);
-        }
-        plan
-    }
-}
+const TOGETHER_PERIODS: usize = 256;
+const SHIFT_COUNTS: u64 = TOGETHER_PERIODS as u64 / 4;
 
 /// Active pulses, begin and end in counts.
 type Pulses = Vec<(u64, u64)>;
@@ -171,10 +67,6 @@ impl Scope {
     }
 }
 
-fn counts(ns: u32) -> u64 {
-    (u64::from(ns) * u64::from(MHZ) + 500) / 1000
-}
-
 /// What was queued. The next cycle is read at the latest when the second one before it begins.
 struct Queued {
     end: u64,
@@ -197,14 +89,6 @@ impl Queued {
     }
 }
 
-/// Room for any plan at all: actions of nine words.
-fn held() -> DelayLine {
-    DelayLine::new((0..PLAN_ACTIONS * 9).map(|_| AtomicU32::new(0)).collect::<Vec<_>>().leak())
-}
-
-/// Instant at which the first cycles begin: before it the plans are empty.
-const BEGIN: u64 = 336;
-
 /// A channel's pulses from cycles and from the model.
 struct Compared {
     model: Pulses,
@@ -218,10 +102,10 @@ struct Compared {
 
 /// Over so many ticks.
 fn energy(random: &mut Random, ticks: usize) -> Compared {
-    let (mut cycles, mut held) = (PwmCycles::from(BEGIN, SCALE), held());
-    let (mut stage, mut scope) = (OutputStage::counting(FINISH), Scope::default());
+    let (mut cycles, mut held) = (PwmCycles::from(BEGIN_COUNTS, SCALE), held());
+    let (mut stage, mut scope) = (OutputStage::counting(FINISH_COUNTS), Scope::default());
     let (mut got, mut ends) = (Pulses::new(), Vec::new());
-    let mut queued = Queued { end: BEGIN, last: [168, 168], least: PWM_MIN_COUNTS, count: 0 };
+    let mut queued = Queued { end: BEGIN_COUNTS, last: [168, 168], least: PWM_MIN_COUNTS, count: 0 };
     let mut lasts = 50_000;
     let (mut from, mut worst) = (counts(lasts), 0);
     for tick in 0..ticks {
@@ -274,9 +158,9 @@ fn without_lost(pulses: &[(u64, u64)]) -> Pulses {
     kept
 }
 
-/// The first pulse of `got` that is not that of the model. It may be up to [`SHIFT`] from its place
-/// and a count wider or narrower. Within the periods that are put in order, one is at its place
-/// again, and all light up to there is the same.
+/// The first pulse of `got` that is not that of the model. It may be up to [`SHIFT_COUNTS`] from
+/// its place and a count wider or narrower. Within the periods that are put in order, one is at its
+/// place again, and all light up to there is the same.
 fn differs(model: &[(u64, u64)], got: &[(u64, u64)]) -> Option<usize> {
     let (mut light, mut away) = (0, None);
     for (n, (model, got)) in model.iter().zip(got).enumerate() {
@@ -285,7 +169,7 @@ fn differs(model: &[(u64, u64)], got: &[(u64, u64)]) -> Option<usize> {
         }
         let since = *away.get_or_insert(n);
         let widths = (model.1 - model.0).abs_diff(got.1 - got.0);
-        if n - since > TOGETHER || model.0.abs_diff(got.0) > SHIFT || widths > 1 {
+        if n - since > TOGETHER_PERIODS || model.0.abs_diff(got.0) > SHIFT_COUNTS || widths > 1 {
             return Some(n);
         }
         light += (got.1 - got.0) as i64 - (model.1 - model.0) as i64;
@@ -348,8 +232,8 @@ fn a_train_that_begins_after_a_pause_begins_at_once() {
         for (at, action) in (0..).zip(pauses.into_iter().chain(goes_on)) {
             plan.add(at * 20_000, action);
         }
-        let mut cycles = PwmCycles::from(BEGIN, SCALE);
-        let (from, mut queued, mut got) = (counts(50_000), BEGIN, Pulses::new());
+        let mut cycles = PwmCycles::from(BEGIN_COUNTS, SCALE);
+        let (from, mut queued, mut got) = (counts(50_000), BEGIN_COUNTS, Pulses::new());
         cycles.take(from, from + counts(250_000), plan.actions().iter().copied(), &mut |length, light, times| {
             for _ in 0..times {
                 note(&mut got, queued, queued + u64::from(light));
@@ -365,11 +249,11 @@ fn a_train_that_begins_after_a_pause_begins_at_once() {
 
 /// Both switches' edges from cycles and from the models.
 fn switches(random: &mut Random, ticks: usize) -> ([Pulses; 2], [Pulses; 2], u64) {
-    let (mut cycles, mut held) = (GateCycles::from(BEGIN, SCALE), held());
-    let mut stages = [OutputStage::counting(FINISH), OutputStage::counting(FINISH)];
+    let (mut cycles, mut held) = (GateCycles::from(BEGIN_COUNTS, SCALE), held());
+    let mut stages = [OutputStage::counting(FINISH_COUNTS), OutputStage::counting(FINISH_COUNTS)];
     let mut scopes = [Scope::default(), Scope::default()];
     let mut got = [Pulses::new(), Pulses::new()];
-    let mut queued = Queued { end: BEGIN, last: [168, 168], least: GATE_MIN_COUNTS, count: 0 };
+    let mut queued = Queued { end: BEGIN_COUNTS, last: [168, 168], least: GATE_MIN_COUNTS, count: 0 };
     let mut lasts = 50_000;
     let (mut from, mut worst) = (counts(lasts), 0);
     for tick in 0..=ticks {
@@ -444,89 +328,12 @@ fn the_switches_are_the_models_to_a_count() {
     assert!(worst <= 7 * u64::from(GATE_MIN_COUNTS) + 1, "{worst}");
 }
 
-/// Slots of the rings below: few, so that three in a row are often not left.
-const SLOTS: usize = 1024;
-
-/// What a ring got since a slot: the half-words of each.
-fn taken<const WORDS: usize>(slots: &RingSlots<SLOTS, WORDS>, from: usize, until: usize) -> Vec<[u16; WORDS]> {
-    let count = (until + SLOTS - from) % SLOTS;
-    (0..count).map(|n| slots[(from + n) % SLOTS].each_ref().map(|word| word.load(Ordering::Relaxed))).collect()
-}
-
-fn ring<const WORDS: usize>(dark: [u16; WORDS]) -> (&'static RingSlots<SLOTS, WORDS>, CycleRing<SLOTS, WORDS>) {
-    let slots: &RingSlots<SLOTS, WORDS> =
-        Box::leak(Box::new(std::array::from_fn(|_| std::array::from_fn(|_| AtomicU16::new(7)))));
-    let mut ring = CycleRing::new(slots, dark);
-    while !ring.clear() {}
-    ring.begin(168);
-    (slots, ring)
-}
-
-/// A tick in which nothing changes queues by a shorter way: the cycles are those of
-/// [`PwmCycles::take`] and [`GateCycles::take`], in rings that turn, also where a ring ends.
-#[test]
-fn what_goes_on_is_queued_as_by_actions() {
-    let (mut quiet, mut compared, mut lit) = (0, 0, 0);
-    for seed in 0..40 {
-        let mut random = Random::new(seed);
-        let (slots, mut energy) = ring([0; 3]);
-        let (switch_slots, mut switch) = ring([0, 0, u16::MAX, 0, 0, u16::MAX]);
-        let (mut pwm, mut by_actions) = (PwmCycles::from(BEGIN, SCALE), PwmCycles::from(BEGIN, SCALE));
-        let (mut gates, mut gates_by_actions) = (GateCycles::from(BEGIN, SCALE), GateCycles::from(BEGIN, SCALE));
-        let (mut at, mut switch_at) = (0, 0);
-        let mut line = held();
-        // Light, then none for long: what goes on in the dark, and what in the light of a switch.
-        let mut from = counts(10_000);
-        for tick in 0..400u32 {
-            let lasts = if tick % 50 < 25 { 10_000 } else { 250_000 };
-            let plan = if tick % 8 == 0 && tick < 200 { random.plan(lasts) } else { LaserPlan::EMPTY };
-            let plan = if tick % 40 == 20 {
-                let mut off = LaserPlan::EMPTY;
-                off.add(0, Action::Dark { standby: Train::NONE, cut: true });
-                off.add(0, Action::Switch(random.below(2) == 0));
-                off
-            } else {
-                plan
-            };
-            assert!(line.put(&plan));
-            let to = from + counts(lasts);
-            assert!(energy.renew(at * 3) && switch.renew(switch_at * 6));
-            let mut expected = Vec::new();
-            by_actions.take(from, to, line.actions(), &mut |length, light, times| {
-                expected.push([length - 1, times - 1, light].map(|word| word as u16));
-            });
-            pwm.queue(from, to, &line, &mut energy);
-            let end = (at + expected.len()) % SLOTS;
-            assert_eq!(taken(slots, at, end), expected, "seed {seed}, tick {tick}");
-            at = end;
-            let mut expected = Vec::new();
-            gates.hold(line.actions());
-            gates_by_actions.hold(line.actions());
-            gates_by_actions.take(from, to, line.actions(), &mut |cycle| {
-                let ([fall_0, fall_1], [rise_0, rise_1]) = (cycle.falls, cycle.rises);
-                expected.push([cycle.length - 1, 0, rise_0, fall_0, fall_1, rise_1].map(|word| word as u16));
-            });
-            gates.queue(from, to, &line, &mut switch);
-            let end = (switch_at + expected.len()) % SLOTS;
-            lit += usize::from(plan.actions().is_empty() && expected.iter().all(|cycle| cycle[3] != 0));
-            assert_eq!(taken(switch_slots, switch_at, end), expected, "seed {seed}, tick {tick}");
-            switch_at = end;
-            assert_eq!((pwm.queued(), gates.queued()), (by_actions.queued(), gates_by_actions.queued()));
-            compared += 1;
-            quiet += usize::from(plan.actions().is_empty());
-            from = to;
-        }
-    }
-    println!("{compared} ticks, {quiet} without an action, {lit} of them in light");
-    assert!(quiet > 10_000 && lit > 500, "{quiet}, {lit}");
-}
-
 /// The pulses of a train, in counts from the beginning of the first one, and the ends of what each
 /// tick has queued; for as many counts at least.
 fn carried_out(train: Train, whole: u64) -> (Pulses, Vec<u64>) {
     let lasts = 250_000;
-    let mut cycles = PwmCycles::from(BEGIN, SCALE);
-    let (mut from, mut queued) = (counts(lasts), BEGIN);
+    let mut cycles = PwmCycles::from(BEGIN_COUNTS, SCALE);
+    let (mut from, mut queued) = (counts(lasts), BEGIN_COUNTS);
     let begin = from;
     let (mut pulses, mut ends) = (Pulses::new(), Vec::new());
     let mut plan = LaserPlan::EMPTY;
@@ -550,7 +357,7 @@ fn carried_out(train: Train, whole: u64) -> (Pulses, Vec<u64>) {
 
 /// Every frequency from 1 Hz to 2 MHz and every duty (SPEC 11). The train's own numbers are within
 /// 1 ppm and 0.001 %. In every tick the sums of its periods and of its light are right to a count.
-/// Between, a pulse is at most [`SHIFT`] counts late: 0.3 ppm of a second.
+/// Between, a pulse is at most [`SHIFT_COUNTS`] counts late: 0.3 ppm of a second.
 #[test]
 fn frequencies_and_duties_are_exact_in_the_mean() {
     let clock = Clock::from_mhz(MHZ).unwrap();
@@ -598,8 +405,8 @@ fn frequencies_and_duties_are_exact_in_the_mean() {
                 for (n, &(begin, end)) in (0..).zip(pulses.iter().rev().skip(1).rev()) {
                     let apart = begin.checked_sub(sum(period, n)).expect("a pulse before its place");
                     late = late.max(apart);
-                    assert!(apart <= SHIFT && (end - begin).abs_diff(width.whole) <= 1, "{name}: pulse {n}");
-                    assert!(sum(width, n).abs_diff(lit) <= SHIFT, "{name}: {lit} of light before pulse {n}");
+                    assert!(apart <= SHIFT_COUNTS && (end - begin).abs_diff(width.whole) <= 1, "{name}: pulse {n}");
+                    assert!(sum(width, n).abs_diff(lit) <= SHIFT_COUNTS, "{name}: {lit} of light before pulse {n}");
                     let (exact, queues) = (apart == 0 && sum(width, n) == lit, ends.get(placed));
                     // The first pulse that no tick before has queued is at its place.
                     if queues.is_some_and(|queued| begin >= *queued) {
@@ -613,7 +420,7 @@ fn frequencies_and_duties_are_exact_in_the_mean() {
         }
     }
     println!("{pulses_seen} pulses, at most {late} counts late");
-    assert!(pulses_seen > 200_000 && late > SHIFT / 2, "{pulses_seen}, {late}");
+    assert!(pulses_seen > 200_000 && late > SHIFT_COUNTS / 2, "{pulses_seen}, {late}");
 }
 
 #[test]

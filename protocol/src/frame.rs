@@ -21,7 +21,7 @@ pub const VERSION: u8 = 1;
 /// Longest payload of one frame, that is, longest message.
 pub const MAX_PAYLOAD: usize = 1024;
 /// Bytes around the payload: header and CRC.
-pub const OVERHEAD: usize = HEADER + CRC_BYTES;
+pub const OVERHEAD: usize = HEADER_BYTES + CRC_BYTES;
 /// Longest decoded frame.
 pub const MAX_FRAME: usize = MAX_PAYLOAD + OVERHEAD;
 /// Longest frame on the wire: COBS and the delimiter.
@@ -29,9 +29,9 @@ pub const MAX_WIRE: usize = wire_length(MAX_FRAME);
 /// Longest frame on the wire of those that open a session.
 pub const OPENING_WIRE: usize = wire_length(OVERHEAD + size_of::<Busy>());
 /// Bytes of [`Busy::holder`].
-pub const HOLDER: usize = 32;
+pub const HOLDER_BYTES: usize = 32;
 
-const HEADER: usize = size_of::<Header>();
+const HEADER_BYTES: usize = size_of::<Header>();
 pub(crate) const CRC_BYTES: usize = 4;
 
 /// Wire bytes that `decoded` bytes may need: COBS overhead and the delimiter.
@@ -159,7 +159,7 @@ impl FrameKind {
 impl Busy {
     /// What is reported of the client at `holder`: as many bytes as fit.
     pub fn new(held_ms: u32, silent_ms: u32, holder: &str) -> Busy {
-        let mut bytes = [0; HOLDER];
+        let mut bytes = [0; HOLDER_BYTES];
         copy(&mut bytes, holder.as_bytes());
         Busy { held_ms: held_ms.into(), silent_ms: silent_ms.into(), holder: bytes }
     }
@@ -212,7 +212,7 @@ pub fn decode(bytes: &[u8]) -> Result<(Header, FrameKind, &[u8]), Fault> {
 
 /// The payload of a frame that [`decode`] has accepted.
 pub(crate) fn payload(bytes: &[u8]) -> &[u8] {
-    bytes.get(HEADER..bytes.len().saturating_sub(CRC_BYTES)).unwrap_or(&[])
+    bytes.get(HEADER_BYTES..bytes.len().saturating_sub(CRC_BYTES)).unwrap_or(&[])
 }
 
 /// Writes a frame as it goes over the wire. `header.length` is set here.

@@ -12,12 +12,12 @@ use zerocopy::{FromBytes, IntoBytes};
 /// Most bytes of calls that a client joins, with their heads.
 pub const JOINED_MAX: usize = ITEM_BYTES;
 /// Bytes before the calls: the fixed part of the request.
-pub const FIXED: usize = size_of::<PathMany>();
+pub const FIXED_BYTES: usize = size_of::<PathMany>();
 /// Bytes before each call.
-pub const HEAD: usize = size_of::<PathCall>();
+pub const HEAD_BYTES: usize = size_of::<PathCall>();
 /// Most calls of a message that report what they did not take as it was given. The shortest of them
 /// is a power.
-pub const HELD_MAX: usize = (BODY_MAX - FIXED) / (HEAD + size_of::<crate::command::BufLaserPrfCmd>());
+pub const HELD_MAX: usize = (BODY_MAX - FIXED_BYTES) / (HEAD_BYTES + size_of::<crate::command::BufLaserPrfCmd>());
 
 /// So many calls that report what they did not take as it was given are taken in one PathMany of
 /// the immediate lane, whatever they report.
@@ -34,7 +34,7 @@ pub fn call_at(calls: &[u8], at: usize) -> Option<Joined<'_>> {
 
 /// The byte at which the next call begins.
 pub const fn after(at: usize, call: Joined<'_>) -> usize {
-    at.saturating_add(HEAD).saturating_add(call.1.len())
+    at.saturating_add(HEAD_BYTES).saturating_add(call.1.len())
 }
 
 /// The calls in order, up to the first that is not whole.
@@ -74,9 +74,9 @@ pub fn is_short(call: Joined<'_>) -> bool {
 }
 
 /// The head of a call, for whoever writes it.
-pub fn head(call: Joined<'_>) -> [u8; HEAD] {
+pub fn head(call: Joined<'_>) -> [u8; HEAD_BYTES] {
     let head = PathCall { opcode: call.0.into(), length: (call.1.len() as u16).into() };
-    let mut bytes = [0; HEAD];
+    let mut bytes = [0; HEAD_BYTES];
     bytes.copy_from_slice(head.as_bytes());
     bytes
 }

@@ -8,20 +8,20 @@ use crate::units::Axis;
 use ring::Store;
 
 /// General inputs, and inputs of an axis.
-const GENERAL: usize = GeneralInputs::BITS as usize;
-const OF_AXIS: usize = 5;
+const GENERAL_INPUTS: usize = GeneralInputs::BITS as usize;
+const AXIS_INPUTS: usize = 5;
 
 /// The counts of all inputs: of general ones, and five of each axis.
 pub struct EdgeCounts {
-    general: Store<1, GENERAL>,
-    of_axes: Store<1, { (COUNTED_AXES * OF_AXIS).next_power_of_two() }>,
+    general: Store<1, GENERAL_INPUTS>,
+    of_axes: Store<1, { (COUNTED_AXES * AXIS_INPUTS).next_power_of_two() }>,
 }
 
 const _: () = assert!(COUNTED_AXES <= Axis::MAX);
 
 /// The slot of an axis' input; that of the last axis for one that does not exist.
 fn slot(input: Input, axis: usize) -> u32 {
-    (axis.min(COUNTED_AXES - 1) * OF_AXIS + input as usize) as u32
+    (axis.min(COUNTED_AXES - 1) * AXIS_INPUTS + input as usize) as u32
 }
 
 impl EdgeCounts {

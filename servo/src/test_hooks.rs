@@ -36,17 +36,25 @@ impl<const AXES: usize> Tick<AXES> {
         self.ticks = self.ticks.wrapping_add(entries);
         let add = |count: &mut u32| *count = count.wrapping_add(entries);
         for axis in &mut self.axes {
-            let AxisView { moves, turns, counts, changes, epoch, cleared: [first, second], .. } = &mut axis.published;
-            [moves, turns, counts, changes, epoch, first, second].into_iter().for_each(add);
+            let AxisView {
+                version,
+                piece_version,
+                progress_version,
+                state_version,
+                epoch,
+                cleared: [first, second],
+                ..
+            } = &mut axis.published;
+            [version, piece_version, progress_version, state_version, epoch, first, second].into_iter().for_each(add);
         }
         for crd in &mut self.crds.states {
-            let CrdView { moves, changes, cleared: [first, second], .. } = &mut crd.published;
-            [moves, changes, first, second].into_iter().for_each(add);
+            let CrdView { version, state_version, cleared: [first, second], .. } = &mut crd.published;
+            [version, state_version, first, second].into_iter().for_each(add);
         }
-        add(&mut self.crds.moves);
+        add(&mut self.crds.version);
         for channel in &mut self.lasers.channels {
-            let LaserView { moves, turns, changes, .. } = &mut channel.published;
-            [moves, turns, changes].into_iter().for_each(add);
+            let LaserView { version, settings_version, state_version, .. } = &mut channel.published;
+            [version, settings_version, state_version].into_iter().for_each(add);
         }
     }
 
@@ -64,7 +72,7 @@ impl<const AXES: usize> Tick<AXES> {
             }
             crd.mark_changed();
         }
-        self.crds.moves = self.crds.moves.wrapping_add(1);
+        self.crds.version = self.crds.version.wrapping_add(1);
         self.lasers.channels.iter_mut().for_each(|channel| add(&mut channel.on_time.units));
     }
 }
@@ -102,8 +110,8 @@ impl Path {
         let (heading, bend, motion) = ([0; DIMENSIONS], Curvature::STRAIGHT, Motion::STANDSTILL);
         let mut step = Step { position: [Pos(0); DIMENSIONS], heading, bend, motion, runs: false, fifo: 0, done: 0 };
         let Step { position, heading, bend, motion, .. } = &mut step;
-        self.fresh = true;
-        let mut report = PathReport { position, heading, bend, motion, turns: &mut 0 };
+        self.publish_whole = true;
+        let mut report = PathReport { position, heading, bend, motion, piece_version: &mut 0 };
         let reported = self.advance(next, period, feed, source, sink, &mut report, true);
         Step { runs: reported.runs, fifo: reported.fifo, done: reported.done, ..step }
     }

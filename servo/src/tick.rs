@@ -107,7 +107,7 @@ impl OffFastPath<'_, '_> {
         if fast_step == FastStep::Shown {
             return;
         }
-        if published.changes != state.published.changes
+        if published.state_version != state.published.state_version
             && let Some(inputs) = self.inputs.get_mut(axis.index())
         {
             *inputs = state.raw;
@@ -415,8 +415,8 @@ impl<const AXES: usize> Tick<AXES> {
         view.general_inputs = self.general_inputs;
         view.timer_mhz = self.lasers.clock.mhz();
         self.lasers.publish(&mut view.lasers);
-        if view.crd_moves != self.crds.moves {
-            view.crd_moves = self.crds.moves;
+        if view.crds_version != self.crds.version {
+            view.crds_version = self.crds.version;
             self.crds.publish(&mut view.crds);
         }
         for (channel, value) in view.analog.iter_mut().enumerate().take(self.analog_inputs) {

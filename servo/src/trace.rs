@@ -4,7 +4,7 @@
 //! into a ring. Owns: the counters of rows and ticks. Fails: a full ring loses the sample and
 //! counts it; the row numbers show which.
 use crate::capacity::{GeneralOutputs, TRACE_SAMPLES};
-use crate::laser::{ANALOG, Action, LaserPlan, PowerTables};
+use crate::laser::{ANALOG_OUTPUTS, Action, LaserPlan, PowerTables};
 use crate::units::{Axis, AxisMask, CrdMask, Pos};
 use crate::view::{Sample, Traced};
 use ring::Producer;
@@ -121,7 +121,7 @@ impl Trace {
     /// The analog outputs when the trace begins.
     pub(crate) fn record_analog_carried(&mut self, tables: &PowerTables, samples: &mut TraceSamples) {
         if self.chosen.outputs {
-            for channel in 0..ANALOG as u8 {
+            for channel in 0..ANALOG_OUTPUTS as u8 {
                 let value = tables.analog(channel.into());
                 if value != 0 {
                     self.put(Sample { row: 0, of: Traced::Analog { at: 0, channel, value } }, samples);

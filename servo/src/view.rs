@@ -27,9 +27,9 @@ state! {
     pub struct AxisView {
         /// Counts changes of anything here and of the axis's input levels; a reader skips what did
         /// not change.
-        pub moves: u32 = 0,
+        pub version: u32 = 0,
         /// Counts ticks in which the motion of a running axis changed other than by its parameter.
-        pub turns: u32 = 0,
+        pub piece_version: u32 = 0,
         /// Planned position in force at the view's time.
         pub pos: Pos = Pos(0),
         /// Encoder position in pulses, sampled in the tick that computed this.
@@ -52,11 +52,11 @@ state! {
         pub table_zero: Ns = Ns(0),
         /// Follow: the displacement of its master in the tick, in units of Pos.
         pub master_displacement: i64 = 0,
-        /// Counts ticks, among those of `turns`, in which a field from `dry_ms` to
+        /// Counts ticks, among those of `piece_version`, in which a field from `dry_ms` to
         /// `master_displacement` may have changed.
-        pub counts: u32 = 0,
+        pub progress_version: u32 = 0,
         /// Counts changes of the fields after it.
-        pub changes: u32 = 0,
+        pub state_version: u32 = 0,
         /// Status word of `GetSts` (SPEC 4).
         pub status: u32 = 0,
         /// Those latched bits of `status` that refuse a start until ClearStatus: alarm, following
@@ -104,33 +104,42 @@ state! {
 impl AxisView {
     /// As at power-on, except for counters, and for the stop reason.
     pub(crate) fn reset(&mut self) {
-        let AxisView { moves, turns, counts, changes, stop, epoch, cleared, .. } = *self;
-        *self = AxisView { moves, turns, counts, changes, stop, epoch, cleared, ..AxisView::POWER_ON };
+        let AxisView { version, piece_version, progress_version, state_version, stop, epoch, cleared, .. } = *self;
+        *self = AxisView {
+            version,
+            piece_version,
+            progress_version,
+            state_version,
+            stop,
+            epoch,
+            cleared,
+            ..AxisView::POWER_ON
+        };
     }
 
     /// The axis is in another piece.
     #[inline(always)]
     pub(crate) fn enter(&mut self, motion: &Motion) {
-        self.turns = self.turns.wrapping_add(1);
+        self.piece_version = self.piece_version.wrapping_add(1);
         self.motion = *motion;
     }
 
     /// The axis is at another position, `t` ns from where its motion began.
     #[inline(always)]
     pub(crate) fn go_to(&mut self, pos: Pos, t: u32) {
-        (self.moves, self.pos, self.motion.t) = (self.moves.wrapping_add(1), pos, t);
+        (self.version, self.pos, self.motion.t) = (self.version.wrapping_add(1), pos, t);
     }
 
     /// Copies the motion of `now`, whose time is `t`, as far as it has changed. Returns whether
     /// nothing else has.
     #[inline(always)]
     pub(crate) fn follow_piece(&mut self, now: &AxisView, t: u32) -> bool {
-        if self.turns != now.turns {
-            if self.changes != now.changes {
+        if self.piece_version != now.piece_version {
+            if self.state_version != now.state_version {
                 return false;
             }
-            (self.turns, self.motion) = (now.turns, now.motion);
-            if self.counts != now.counts {
+            (self.piece_version, self.motion) = (now.piece_version, now.motion);
+            if self.progress_version != now.progress_version {
                 self.follow_counts(now);
             }
         }
@@ -141,7 +150,7 @@ impl AxisView {
     /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
     pub(crate) fn copy_changed(&mut self, now: &AxisView) {
-        if self.changes != now.changes {
+        if self.state_version != now.state_version {
             self.follow_changes(now);
         }
         self.publish_position(now);
@@ -151,21 +160,21 @@ impl AxisView {
     /// The same for what changes in every tick of a running axis.
     #[inline(always)]
     pub(crate) fn publish_position(&mut self, now: &AxisView) {
-        (self.moves, self.pos) = (now.moves, now.pos);
+        (self.version, self.pos) = (now.version, now.pos);
         (self.encoder, self.encoder_before) = (now.encoder, now.encoder_before);
     }
 
-    /// The same for what `turns` counts.
+    /// The same for what `piece_version` counts.
     #[inline(always)]
     pub(crate) fn follow_turn(&mut self, now: &AxisView) {
-        (self.turns, self.motion) = (now.turns, now.motion);
+        (self.piece_version, self.motion) = (now.piece_version, now.motion);
         self.follow_counts(now);
     }
 
-    /// The same for what `counts` counts.
+    /// The same for what `progress_version` counts.
     #[inline(always)]
     pub(crate) fn follow_counts(&mut self, now: &AxisView) {
-        self.counts = now.counts;
+        self.progress_version = now.progress_version;
         (self.dry_ms, self.released, self.passes) = (now.dry_ms, now.released, now.passes);
         (self.table_zero, self.master_displacement) = (now.table_zero, now.master_displacement);
     }
@@ -173,11 +182,11 @@ impl AxisView {
     /// Field by field, at a third of the cost of a call of memcpy.
     #[inline(never)]
     fn follow_changes(&mut self, now: &AxisView) {
-        let AxisView { changes, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
+        let AxisView { state_version, status, blocked, stop, mode, epoch, pt_state, captured, .. } = *now;
         (self.table, self.pending, self.table_until) = (now.table, now.pending, now.table_until);
         (self.lead, self.drive, self.waits) = (now.lead, now.drive, now.waits);
         (self.fifo, self.switching, self.cleared) = (now.fifo, now.switching, now.cleared);
-        (self.changes, self.status, self.blocked, self.epoch) = (changes, status, blocked, epoch);
+        (self.state_version, self.status, self.blocked, self.epoch) = (state_version, status, blocked, epoch);
         (self.stop, self.mode, self.pt_state, self.captured) = (stop, mode, pt_state, captured);
     }
 }
@@ -268,7 +277,7 @@ state! {
         /// The clock of the machine's laser timers, MHz; 0 before the first tick.
         pub timer_mhz: u16 = 0,
         /// Counts changes of any of the coordinate systems.
-        pub crd_moves: u32 = 0,
+        pub crds_version: u32 = 0,
         /// The coordinate systems.
         pub crds: [CrdView; Crd::MAX] = [CrdView::POWER_ON; Crd::MAX],
         /// The laser channels.

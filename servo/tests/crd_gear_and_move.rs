@@ -41,17 +41,17 @@ impl Line {
 }
 
 /// 70 pulses from rest to rest: acceleration 0.5 pulse/ms², speed 2 pulse/ms.
-const MOVE: f64 = 70.0;
-const MOVE_TIME: f64 = 39.0;
+const MOVE_PULSES: f64 = 70.0;
+const MOVE_MS: f64 = 39.0;
 
 fn moved(t: f64) -> f64 {
-    let t = t.clamp(0.0, MOVE_TIME);
+    let t = t.clamp(0.0, MOVE_MS);
     if t <= 4.0 {
         t * t / 4.0
     } else if t <= 35.0 {
         4.0 + 2.0 * (t - 4.0)
     } else {
-        MOVE - (MOVE_TIME - t) * (MOVE_TIME - t) / 4.0
+        MOVE_PULSES - (MOVE_MS - t) * (MOVE_MS - t) / 4.0
     }
 }
 
@@ -90,12 +90,12 @@ fn check(bench: &mut Bench, entries: &[PathEntry], exact: impl Fn(f64) -> f64, w
     }
 }
 
-const PERIODS: [u32; 5] = [50, 73, 250, 333, 1000];
+const PERIODS_US: [u32; 5] = [50, 73, 250, 333, 1000];
 
 /// It leaves its gear at the vertex, where its move begins; the path goes on or waits.
 #[test]
 fn an_axis_that_was_geared_sets_off_at_the_end_of_the_motion() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         for (end, modal) in [(3.0, false), (0.0, false), (0.0, true)] {
             let mut bench = prepared(period);
             let line = Line::of(37.0, end);
@@ -114,7 +114,7 @@ fn an_axis_that_was_geared_sets_off_at_the_end_of_the_motion() {
 /// Between them lies a motion, which may be over within a tick.
 #[test]
 fn an_axis_that_was_geared_sets_off_after_another_motion() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         for length in 1..30 {
             let mut bench = prepared(period);
             let line = Line::of(37.0, 3.0);
@@ -136,7 +136,7 @@ fn an_axis_that_was_geared_sets_off_after_another_motion() {
 /// The geared motion begins and ends between two ticks, alone or after another geared one.
 #[test]
 fn an_axis_that_was_geared_for_less_than_a_tick_sets_off() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         for length in 5..30 {
             for (first, second) in [(0, 100), (60, 40)] {
                 let mut bench = prepared(period);
@@ -163,12 +163,12 @@ fn an_axis_that_was_geared_for_less_than_a_tick_sets_off() {
 /// After a move that the path has waited for, the axis is free to be geared.
 #[test]
 fn an_axis_that_was_waited_for_is_geared_to_the_next_motion() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         let mut bench = prepared(period);
         let line = Line::of(37.0, 0.0);
         let entries =
             [travel(70, true), PathEntry::gear(axis(4), -40), PathEntry::planar([37, 0], speeds(10.0, 1.0, 0.0))];
-        let exact = |t: f64| moved(t) - 40.0 * line.at(t - MOVE_TIME) / 37.0;
+        let exact = |t: f64| moved(t) - 40.0 * line.at(t - MOVE_MS) / 37.0;
         check(&mut bench, &entries, exact, &format!("{period} µs"));
     }
 }
@@ -176,7 +176,7 @@ fn an_axis_that_was_waited_for_is_geared_to_the_next_motion() {
 /// Gear, move and gear again in a row; user positions have another zero than the machine's.
 #[test]
 fn gear_move_and_gear_follow_each_other() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         let mut bench = prepared(period);
         bench.now(TickCommand::SetPosition { axis: axis(4), pos: Pos::pulses(0) });
         let line = Line::of(37.0, 0.0);
@@ -189,7 +189,7 @@ fn gear_move_and_gear_follow_each_other() {
             PathEntry::planar([0, 0], v),
         ];
         let time = line.time();
-        let exact = |t: f64| 100.0 * line.at(t) / 37.0 - moved(t - time) + 55.0 * line.at(t - time - MOVE_TIME) / 37.0;
+        let exact = |t: f64| 100.0 * line.at(t) / 37.0 - moved(t - time) + 55.0 * line.at(t - time - MOVE_MS) / 37.0;
         check(&mut bench, &entries, exact, &format!("{period} µs"));
     }
 }
@@ -198,7 +198,7 @@ fn gear_move_and_gear_follow_each_other() {
 /// abrupt Stop leaves it where it was shown, and it goes on from there.
 #[test]
 fn an_axis_that_is_geared_up_is_exact() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         for (length, pulses_of, stops) in
             [(1, 187, false), (1, 100_000, false), (37, 1_000_000, false), (1, 100_000, true)]
         {
@@ -245,7 +245,7 @@ fn an_axis_that_is_geared_up_is_exact() {
 /// the limit it goes on to its end. The limit lies within the motion, or within its last tick.
 #[test]
 fn a_soft_limit_of_a_geared_axis_stops_the_path() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         for (limit, far) in [(-20, -100), (-99, -100), (-100, -100), (0, -100), (20, 100), (99, 100), (0, 100)] {
             let mut bench = prepared(period);
             let (positive, negative) = if far < 0 { (None, Some(limit)) } else { (Some(limit), None) };

@@ -15,11 +15,11 @@ struct Both([Bench; 2]);
 
 /// As readers see them, but for the counters of internal changes.
 fn as_read(axis: &AxisView) -> AxisView {
-    AxisView { moves: 0, turns: 0, counts: 0, changes: 0, ..*axis }
+    AxisView { version: 0, piece_version: 0, progress_version: 0, state_version: 0, ..*axis }
 }
 
 fn published(crd: &CrdView) -> CrdView {
-    CrdView { moves: 0, turns: 0, changes: 0, ..*crd }
+    CrdView { version: 0, piece_version: 0, state_version: 0, ..*crd }
 }
 
 impl Both {

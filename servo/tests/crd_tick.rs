@@ -269,7 +269,7 @@ fn a_start_is_all_or_nothing() {
         let seq = bench.now(TickCommand::CrdStart { crds: crd_mask(&[0, 1]), fifo1: CrdMask(0) });
         let after = bench.ticks(40);
         for (crd, other) in before.crds.iter().zip(&after.crds) {
-            assert_eq!((crd.position, crd.runs, crd.moves), (other.position, other.runs, other.moves), "{what}");
+            assert_eq!((crd.position, crd.runs, crd.version), (other.position, other.runs, other.version), "{what}");
         }
         assert!(after.axes.iter().all(|axis| axis.status & status::RUNNING == 0), "{what}");
         match bench.event() {

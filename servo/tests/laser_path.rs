@@ -14,7 +14,7 @@ use servo::path::PathEntry;
 use servo::tick_command::{DoGroup, TickCommand};
 use servo::units::{AxisMask, Crd, CrdMask, Pos};
 
-const PERIODS: [u32; 5] = [10, 50, 73, 250, 1000];
+const PERIODS_US: [u32; 5] = [10, 50, 73, 250, 1000];
 
 /// Two coordinate systems, X and Y of each; a carrier of 10 kHz, 100 %, so that light is one pulse.
 fn prepared(period_us: u32) -> Bench {
@@ -64,7 +64,7 @@ fn corner() -> [PathEntry; 2] {
 
 #[test]
 fn the_gate_moves_at_the_instant_of_its_entry_with_its_delays() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         let mut bench = prepared(period);
         bench.delays(123, 77);
         let [first, second] = corner();
@@ -80,7 +80,7 @@ fn the_gate_moves_at_the_instant_of_its_entry_with_its_delays() {
 /// finished.
 #[test]
 fn direct_power_changes_at_the_corner() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         let mut bench = prepared(period);
         bench.delays(0, 30);
         let [first, second] = corner();
@@ -100,7 +100,7 @@ fn direct_power_changes_at_the_corner() {
 /// delays.
 #[test]
 fn a_stop_keeps_light_dark_until_the_path_goes_on() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         let mut bench = prepared(period);
         let step = u64::from(period) * US;
         bench.delays(123, 77);
@@ -288,7 +288,7 @@ fn any_number_of_starts_and_stops_at_one_instant() {
 /// cleared.
 #[test]
 fn an_underrun_is_dark_at_its_instant() {
-    for period in PERIODS {
+    for period in PERIODS_US {
         let mut bench = prepared(period);
         bench.delays(5000, 0);
         bench.standby(Some((20.0, 50.0)));
@@ -316,7 +316,7 @@ fn an_underrun_is_dark_at_its_instant() {
 #[test]
 fn nothing_is_planned_after_an_underrun() {
     for (mode, period) in
-        [PowerMode::Duty, PowerMode::Frequency, PowerMode::Analog, PowerMode::DutyOpen].into_iter().zip(PERIODS)
+        [PowerMode::Duty, PowerMode::Frequency, PowerMode::Analog, PowerMode::DutyOpen].into_iter().zip(PERIODS_US)
     {
         let mut bench = prepared(period);
         bench.mode(mode, 10.0, 0.0, true);

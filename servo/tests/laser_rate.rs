@@ -29,7 +29,7 @@ fn follow(ratio: f64, max: f64) -> PathEntry {
 
 /// Pulses of a path that runs along X from 0 to 150 pulses and back to rest: 1 pulse/ms² up to 10
 /// pulse/ms in 10 ms, 5 ms of that, 10 ms down.
-const LENGTH: i128 = 150;
+const LENGTH_PULSES: i128 = 150;
 
 /// The path length after this many ms.
 fn travelled(t: Number) -> Number {
@@ -40,7 +40,7 @@ fn travelled(t: Number) -> Number {
         n(50) + (t - n(10)) * n(10)
     } else {
         let left = n(25) - t;
-        n(LENGTH) - left * left / n(2)
+        n(LENGTH_PULSES) - left * left / n(2)
     }
 }
 
@@ -70,12 +70,13 @@ fn pulses_under_a_follow_lie_at_equal_distances() {
         // 2, 1/2, 1/10 and 3/10 pulses of light for one of the path.
         for (n, d) in [(2, 1), (1, 2), (1, 10), (3, 10)] {
             let mut bench = prepared(period_us, 1);
-            let entries = [light(true), follow(n as f64 / d as f64, 2000.0), line([LENGTH as i32, 0], 10.0, 1.0, 0.0)];
+            let entries =
+                [light(true), follow(n as f64 / d as f64, 2000.0), line([LENGTH_PULSES as i32, 0], 10.0, 1.0, 0.0)];
             bench.path(0, &entries);
             let zero = bench.start(1);
             bench.until_ms(zero / MS + 30);
             let pulses = bench.pulses();
-            let count = (LENGTH * n + d - 1) / d;
+            let count = (LENGTH_PULSES * n + d - 1) / d;
             for (k, (begin, end)) in (0..count).zip(&pulses) {
                 let exact = instant(Number::new(k * d, n), period_us) + Number::from_integer(zero.into());
                 let off = (Number::from_integer((*begin).into()) - exact.floor()).abs();
@@ -114,7 +115,7 @@ fn pulses_of_a_follow_never_touch() {
     for period_us in [10, 50, 250] {
         // 20 µs of each 100 µs at full speed are too long by far at 10 kHz for a ratio of 10.
         let mut bench = prepared(period_us, 20);
-        bench.path(0, &[light(true), follow(10.0, 2000.0), line([LENGTH as i32, 0], 10.0, 1.0, 0.0)]);
+        bench.path(0, &[light(true), follow(10.0, 2000.0), line([LENGTH_PULSES as i32, 0], 10.0, 1.0, 0.0)]);
         let zero = bench.start(1);
         bench.until_ms(zero / MS + 30);
         let pulses = bench.pulses();

@@ -29,7 +29,7 @@ impl Seen {
 
     fn tick(&mut self, now: u64, period: u64, feed: FifoEnds, script: &Script, ahead: bool) {
         let Step { position: place, heading, bend, motion, .. } = &mut self.step;
-        let mut sight = PathReport { position: place, heading, bend, motion, turns: &mut self.turns };
+        let mut sight = PathReport { position: place, heading, bend, motion, piece_version: &mut self.turns };
         let StepReport { runs, fifo, done, .. } =
             self.path.advance(Ns(now), Ns(period), feed, script, &mut self.heard, &mut sight, ahead);
         (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);
@@ -44,7 +44,7 @@ impl Seen {
         }
         let fresh = self.path.is_fresh();
         let Step { position: place, heading, bend, motion, .. } = &mut self.step;
-        let mut sight = PathReport { position: place, heading, bend, motion, turns: &mut self.turns };
+        let mut sight = PathReport { position: place, heading, bend, motion, piece_version: &mut self.turns };
         let Some(stepped) = self.path.fast_step(next, feed, &mut sight) else {
             self.tick(now, period.0, feed, script, ahead);
             return turns;

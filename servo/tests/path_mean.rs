@@ -8,9 +8,9 @@ use servo::path::{FifoEnds, Path, PathEntry};
 use servo::segment::piece::{Motion, Recip};
 use servo::units::Ns;
 
-const BEGIN: u64 = 1_000_000;
+const BEGIN_NS: u64 = 1_000_000;
 /// Rounding of a position, twice, and of what comes with it.
-const TOLERANCE: f64 = 1.01 / (1u64 << 22) as f64;
+const TOLERANCE_PULSES: f64 = 1.01 / (1u64 << 22) as f64;
 
 fn per_ms(speed: PathSpeed) -> f64 {
     speed.raw() as f64 / (1u64 << PathSpeed::FRAC_BITS) as f64
@@ -39,8 +39,8 @@ fn lines(chance: &mut Chance) -> Vec<PathEntry> {
 fn run(entries: Vec<PathEntry>, period: u64, stop: Option<u64>) -> u64 {
     let feed = FifoEnds { ends: [entries.len() as u32, 0] };
     let (script, mut heard, mut path) = (Script(entries), Heard::default(), Path::IDLE);
-    path.start(Ns(BEGIN), 0, feed, &script);
-    let (mut now, mut before) = (BEGIN, None);
+    path.start(Ns(BEGIN_NS), 0, feed, &script);
+    let (mut now, mut before) = (BEGIN_NS, None);
     loop {
         if stop.is_some_and(|at| now >= at) && !path.stops() {
             path.stop(Ns(now), false, feed, &script, &mut heard);
@@ -52,9 +52,9 @@ fn run(entries: Vec<PathEntry>, period: u64, stop: Option<u64>) -> u64 {
             let off: f64 = mean * period as f64 / 1e6 - travelled;
             // Besides the rounding: of the speed over the period, and of the mean itself.
             assert!(
-                off.abs() <= TOLERANCE + travelled * 1e-9,
+                off.abs() <= TOLERANCE_PULSES + travelled * 1e-9,
                 "{period} ns at {}: {mean} over {travelled}, off {off:e}",
-                now - BEGIN
+                now - BEGIN_NS
             );
         }
         before = Some((x, per_ms(path.mean(&step.motion, Ns(now), Ns(period)))));
@@ -82,9 +82,9 @@ fn a_stop_is_followed_too() {
         PathEntry::planar([400_000, 0], speeds(50.0, 2.0, 0.0)),
         PathEntry::planar([400_500, 0], speeds(3.0, 2.0, 0.0)),
     ];
-    let over = run(entries.clone(), 250_000, Some(BEGIN + 60_000_000));
+    let over = run(entries.clone(), 250_000, Some(BEGIN_NS + 60_000_000));
     // 50 pulse/ms are braked at 1 pulse/ms².
-    assert_eq!(over, BEGIN + 110_000_000);
+    assert_eq!(over, BEGIN_NS + 110_000_000);
 }
 
 #[test]

@@ -49,7 +49,7 @@ impl Seen {
 
     fn tick(&mut self, now: u64, period: u64, fifos: &Fifos, ahead: bool) {
         let Step { position: place, heading, bend, motion, .. } = &mut self.step;
-        let mut sight = PathReport { position: place, heading, bend, motion, turns: &mut self.turns };
+        let mut sight = PathReport { position: place, heading, bend, motion, piece_version: &mut self.turns };
         let StepReport { runs, fifo, done, .. } =
             self.path.advance(Ns(now), Ns(period), fifos.feed(), fifos, &mut self.heard, &mut sight, ahead);
         (self.step.runs, self.step.fifo, self.step.done) = (runs, fifo, done);

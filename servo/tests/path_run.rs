@@ -13,7 +13,7 @@ use servo::units::{Axis, FineNs, Ns, Pos, StepLimit};
 use chance::Chance;
 use paths::{Heard, Script, mark, since, speeds};
 
-const BEGIN: u64 = 1_000_000;
+const BEGIN_NS: u64 = 1_000_000;
 
 fn speed(motion: &Motion) -> f64 {
     let v = motion.velocity();
@@ -39,7 +39,7 @@ struct Bench {
 impl Bench {
     fn new(entries: Vec<PathEntry>, period: u64) -> Bench {
         let feed = FifoEnds { ends: [entries.len() as u32, 0] };
-        Bench { path: Path::IDLE, script: Script(entries), feed, now: BEGIN, period, heard: Heard::default() }
+        Bench { path: Path::IDLE, script: Script(entries), feed, now: BEGIN_NS, period, heard: Heard::default() }
     }
     fn start(&mut self, fifo: u8) {
         assert!(!self.path.refuses_start(fifo, self.feed));
@@ -55,7 +55,7 @@ impl Bench {
     }
     fn until(&mut self, ns: u64) -> Step {
         let mut step = self.tick();
-        while self.now - BEGIN < ns {
+        while self.now - BEGIN_NS < ns {
             step = self.tick();
         }
         step
@@ -95,7 +95,7 @@ fn the_listing_of_the_manual_changes_power_at_the_corner() {
             ([0, 10_000, 0, 0].map(Pos::pulses), 2, Motion::STANDSTILL)
         );
         let [first, corner, end] = &bench.heard.marks[..] else { panic!() };
-        assert_eq!((first.0, corner.0), ((BEGIN as FineNs) << 32, ((BEGIN + 2_025_000_000) as FineNs) << 32));
+        assert_eq!((first.0, corner.0), ((BEGIN_NS as FineNs) << 32, ((BEGIN_NS + 2_025_000_000) as FineNs) << 32));
         assert!(near(since(end.0) / 1e6, 2025.0 + (1e10f64 + 1e8).sqrt() / 50.0 + 25.0));
         assert_eq!(bench.heard.rests, [(end.0, PathStop::Completed)]);
     }
@@ -106,7 +106,7 @@ fn the_listing_of_the_manual_changes_power_at_the_corner() {
 fn effects_are_reported_for_the_coming_interval_only() {
     let mut bench = Bench::new(vec![PathEntry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 300_000);
     bench.start(0);
-    let end = (BEGIN + 110_000_000) as FineNs;
+    let end = (BEGIN_NS + 110_000_000) as FineNs;
     loop {
         let (reported, tick) = (bench.heard.marks.len(), bench.now as FineNs);
         let step = bench.tick();
@@ -208,7 +208,7 @@ fn a_wait_that_is_reached_at_speed_is_an_underrun() {
         assert_eq!((last.position[0], rest, last.done), (Pos::pulses(1010), PathStop::Underrun, 2), "{wait:?}");
         assert!(near(since(at) / 1e6, end) && near(bench.marks()[0].0, end), "{:?}", bench.marks());
         assert_eq!((bench.marks().len(), bench.path.released(0)), (1, 3));
-        let again = (bench.now - BEGIN) as f64 / 1e6;
+        let again = (bench.now - BEGIN_NS) as f64 / 1e6;
         bench.start(0);
         bench.finish();
         assert_eq!(bench.heard.rests[1].1, PathStop::Completed);
@@ -307,12 +307,12 @@ fn fifo_1_interrupts_fifo_0_and_returns() {
     let s = speeds(10.0, 1.0, 0.0);
     let mut source = Two(vec![PathEntry::planar([1000, 300], s), mark(1)], vec![]);
     let mut feed = FifoEnds { ends: [2, 0] };
-    let (mut path, mut heard, mut now) = (Path::IDLE, Heard::default(), BEGIN);
+    let (mut path, mut heard, mut now) = (Path::IDLE, Heard::default(), BEGIN_NS);
     let mut tick = |path: &mut Path, source: &Two, feed: FifoEnds, heard: &mut Heard| {
         now += 250_000;
         (path.step(Ns(now), Ns(250_000), feed, source, heard), now + 250_000)
     };
-    path.start(Ns(BEGIN + 250_000), 0, feed, &source);
+    path.start(Ns(BEGIN_NS + 250_000), 0, feed, &source);
     let mut next = 0;
     for _ in 0..100 {
         next = tick(&mut path, &source, feed, &mut heard).1;
@@ -449,8 +449,8 @@ fn other_effects_carry_their_numbers() {
     ]);
     let feed = FifoEnds { ends: [5, 0] };
     let (mut path, mut all) = (Path::IDLE, All::default());
-    path.start(Ns(BEGIN), 0, feed, &script);
-    path.step(Ns(BEGIN), Ns(250_000), feed, &script, &mut all);
+    path.start(Ns(BEGIN_NS), 0, feed, &script);
+    path.step(Ns(BEGIN_NS), Ns(250_000), feed, &script, &mut all);
     let (speed, acc) = (servo::segment::ramp::Speed::admit(v.to_bits(), StepLimit::FULL_SCALE).unwrap(), dec(a));
     let expected = [
         EntryEffect::Output { group: DoGroup::General, mask: 0xfff0, value: 0x1230 },
@@ -526,7 +526,7 @@ fn an_override_scales_speeds_and_may_change_during_motion() {
     bench.until(20_000_000);
     bench.path.rules.set_override(rate(0.5).unwrap());
     bench.path.replan(Ns(bench.now), bench.feed, &bench.script);
-    let at = (bench.now - BEGIN) as f64 / 1e6;
+    let at = (bench.now - BEGIN_NS) as f64 / 1e6;
     assert!(near(at, 20.0));
     bench.finish();
     // 150 pulses done; 37.5 in 5 ms to 5 pulse/ms, 12.5 in 5 ms at the end, 800 between.

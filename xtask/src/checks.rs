@@ -4,7 +4,7 @@
 //! and checks passed and failed. A step that fails does not hide those after it.
 use crate::setup::{self, compiler};
 use crate::shell::{self, Outcome, cargo, line, target};
-use crate::{board, comments, image, lines, mutants, pages, probes, proofs, supply, ticks, traces};
+use crate::{board, comments, explained, image, lines, mutants, pages, probes, proofs, supply, ticks, traces};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -38,7 +38,9 @@ const STEPS: [Step; 17] = [
     ("clippy, host", || alone(shell::run(host(["clippy"]).args(["--all-targets", "--", "-D", "warnings"])))),
     ("clippy, Cortex-M7", || alone(clippy_chip())),
     ("planted edits still apply", || alone(mutants::check())),
-    ("links and sentences of the documentation", || alone(pages::check().and_then(|()| lines::check()))),
+    ("links and sentences of the documentation", || {
+        alone(pages::check().and_then(|()| lines::check()).and_then(|()| explained::check()))
+    }),
     ("width of comments, length of files", || alone(comments::check())),
     ("bounds of rounding (Gappa)", || alone(proofs::where_gappa_is())),
     ("tests", || tests(host(["test"]).arg("--no-fail-fast"))),

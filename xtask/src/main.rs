@@ -12,6 +12,7 @@ mod demo;
 mod dist;
 mod doors;
 mod embassy;
+mod explained;
 mod floats;
 mod fuzz;
 mod image;
@@ -131,7 +132,10 @@ fn main() -> ExitCode {
         ["mutants", name] => mutants::run(name),
         ["doors"] => doors::write(),
         ["doors", "--page"] => doors::page(),
-        ["pages"] => pages::check().and_then(|()| comments::check()).and_then(|()| lines::check()),
+        ["pages"] => pages::check()
+            .and_then(|()| comments::check())
+            .and_then(|()| lines::check())
+            .and_then(|()| explained::check()),
         ["proofs"] => proofs::run(),
         ["embassy"] => embassy::report(),
         ["lines"] => lines::report(),

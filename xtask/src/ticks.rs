@@ -15,13 +15,13 @@ use std::fmt::Write as _;
 
 /// Nanoseconds that an instruction takes in the emulator: 2^8, so that the 40 ns of SysTick resolve
 /// it.
-const SHIFT: u32 = 8;
+const INSTRUCTION_LOG2_NS: u32 = 8;
 const SYSTICK_NS: u32 = 40;
 
 /// How far a count may exceed the stated one before `check` fails: in percent, and a few
 /// instructions for the small counts.
 const TOLERANCE_PERCENT: u32 = 3;
-const TOLERANCE: u32 = 8;
+const TOLERANCE_INSTRUCTIONS: u32 = 8;
 
 const BEGIN: &str = "<!-- ticks: written by `cargo xtask ticks` -->";
 const END: &str = "<!-- end of ticks -->";
@@ -146,7 +146,7 @@ fn print(probe: &str) -> Outcome<String> {
     let image = build_bin("beamtick-probes", probe)?;
     let mut qemu = program(QEMU);
     qemu.args(["-M", "mps2-an500", "-nographic", "-monitor", "none", "-serial", "null"])
-        .args(["-icount", &format!("shift={SHIFT}")])
+        .args(["-icount", &format!("shift={INSTRUCTION_LOG2_NS}")])
         .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
         .arg(image);
     read(&mut qemu)
@@ -211,7 +211,7 @@ fn segments(text: &str) -> Outcome<Table> {
 }
 
 fn instructions(periods: u32) -> u32 {
-    (periods * SYSTICK_NS + (1 << (SHIFT - 1))) >> SHIFT
+    (periods * SYSTICK_NS + (1 << (INSTRUCTION_LOG2_NS - 1))) >> INSTRUCTION_LOG2_NS
 }
 
 fn row(mut counts: Vec<u32>) -> Row {
@@ -325,7 +325,7 @@ fn compare<const N: usize>(stated: &str, counted: &str, cells: fn(&str) -> Cells
             return Err(format!("docs/numbers.md states `{name}` where `{same}` was counted"));
         }
         for (old, new) in old.into_iter().zip(new) {
-            let allowed = old * TOLERANCE_PERCENT / 100 + TOLERANCE;
+            let allowed = old * TOLERANCE_PERCENT / 100 + TOLERANCE_INSTRUCTIONS;
             if new > old + allowed {
                 let _ = write!(worse, "\n  {name}: {new} instructions where {old} are stated");
             } else if new + allowed < old {

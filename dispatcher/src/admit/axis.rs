@@ -15,7 +15,7 @@ use servo::tick_command::{Guarded, Guards, TickCommand};
 use servo::units::{Axis, AxisMask, CYCLE_NS, Ns, Pos};
 
 /// Accelerations up to here are accepted, pulse/ms².
-pub const ACCEL_MAX: f64 = FULL_SCALE;
+pub const ACCEL_MAX_PULSES_PER_MS2: f64 = FULL_SCALE;
 /// The following-error limit at this value is off.
 pub const POS_ERR_OFF: i32 = i32::MAX;
 
@@ -70,13 +70,13 @@ pub fn synchronise<const AXES: usize>(context: &mut Context<AXES>, r: &SynchAxis
 
 /// A deceleration that stops: above 0.
 fn deceleration(field: u8, got: f64) -> Admitted<Accel> {
-    real(field, got, f64::MIN_POSITIVE, ACCEL_MAX)?;
+    real(field, got, f64::MIN_POSITIVE, ACCEL_MAX_PULSES_PER_MS2)?;
     accel(field, got)
 }
 
 /// An acceleration as the tick needs it.
 pub fn accel(field: u8, got: f64) -> Admitted<Accel> {
-    Accel::admit(got.to_bits()).map_err(|_| Refused::range(field, got, 0.0, ACCEL_MAX))
+    Accel::admit(got.to_bits()).map_err(|_| Refused::range(field, got, 0.0, ACCEL_MAX_PULSES_PER_MS2))
 }
 
 pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetStopDec) -> Admitted<Answer> {

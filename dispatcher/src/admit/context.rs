@@ -7,7 +7,7 @@ use super::staged::Staged;
 use crate::board::BoardConstants;
 use crate::configuration::{Configuration, ones};
 use crate::refuse::{Admitted, Refused, bits_of, choice, latched};
-use crate::report::answer::{Answer, TAKEN_MAX};
+use crate::report::answer::{Answer, TAKEN_MAX_VALUES};
 use crate::report::replies::mode_number;
 use crate::report::trace::TraceColumns;
 use crate::shadow::{AxisShadow, CrdParameters, CrdShadow, ShadowChange, Shadows, executed, is_in_flight};
@@ -84,7 +84,7 @@ pub enum Effect {
     /// A trace of these axes, in a stream of its own or over the link.
     Trace { every: u32, columns: TraceColumns, over_link: bool },
     /// The values of [`Answer::Took`] that its lane keeps until then.
-    Took([f64; TAKEN_MAX]),
+    Took([f64; TAKEN_MAX_VALUES]),
     /// The items of this LoadConfig are pushed one by one.
     Config,
 }
@@ -277,10 +277,10 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     }
     /// Whether an entry of a path that runs may set the axis off before this command acts.
     fn may_set_off(&self, axis: Axis, runs: bool) -> bool {
-        let aside = self.shadow(axis).aside;
+        let aside = self.shadow(axis).moved_by_entry;
         let may = |crd: Crd| {
             let (shadow, sampled) = (self.crd_shadow(crd), self.crd_sampled(crd));
-            shadow.beside.has(axis) && (self.crd_may_run(crd) || aside && shadow.is_busy(self.view, sampled))
+            shadow.extra_axes.has(axis) && (self.crd_may_run(crd) || aside && shadow.is_busy(self.view, sampled))
         };
         let is_next = self.due.until_ns < self.view.period.0;
         if is_next { runs && (aside || Crd::all().any(may)) } else { runs && aside || Crd::all().any(may) }
@@ -290,7 +290,7 @@ impl<'x, const AXES: usize> Context<'x, AXES> {
     pub fn position(&self, axis: Axis) -> Option<Pos> {
         let may = |crd: Crd| {
             let shadow = self.crd_shadow(crd);
-            shadow.beside.has(axis) && shadow.is_busy(self.view, self.crd_sampled(crd))
+            shadow.extra_axes.has(axis) && shadow.is_busy(self.view, self.crd_sampled(crd))
         };
         if Crd::all().any(may) { None } else { self.shadow(axis).position(self.view, self.sampled(axis)) }
     }

@@ -2,7 +2,7 @@
 //! `crd_data`.
 use super::context::Context;
 use crate::plan::geometry::{Position, position_of};
-use crate::plan::look_ahead::ALONG_MIN;
+use crate::plan::look_ahead::SPEED_MIN_PULSES_PER_MS;
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::{Admitted, Refused, choice, finite, real, within};
 use crate::report::answer::{Answer, Query};
@@ -20,23 +20,23 @@ use servo::units::{AxisMask, Crd, Pos};
 
 /// Time constants of the filter of encoder speeds, ms; and 2⁶⁴.
 const LAG_MS: (f64, f64) = (0.01, 1000.0);
-const NS_64: f64 = 18_446_744_073_709_551_616.0;
+const FULL_SHARE_Q64: f64 = 18_446_744_073_709_551_616.0;
 
 /// Speeds, accelerations and times of a coordinate system are below this.
-pub const VALUE_MAX: f64 = 32767.0;
+pub const CRD_SPEED_BOUND: f64 = 32767.0;
 /// The lowest override.
-const OVERRIDE_MIN: f64 = 1.0 / 1048576.0;
+const OVERRIDE_MIN_RATIO: f64 = 1.0 / 1048576.0;
 
 /// A number above 0 and below 32767.
 fn between(field: u8, got: f64) -> Admitted<f64> {
-    if finite(field, got)? > 0.0 && got < VALUE_MAX {
+    if finite(field, got)? > 0.0 && got < CRD_SPEED_BOUND {
         return Ok(got);
     }
-    Err(Refused::new(Reason::Between).field(field).got(got).limits(0.0, VALUE_MAX))
+    Err(Refused::new(Reason::Between).field(field).got(got).limits(0.0, CRD_SPEED_BOUND))
 }
 
 fn accel(field: u8, got: f64) -> Admitted<Accel> {
-    Accel::admit(got.to_bits()).map_err(|_| Refused::range(field, got, ALONG_MIN, VALUE_MAX))
+    Accel::admit(got.to_bits()).map_err(|_| Refused::range(field, got, SPEED_MIN_PULSES_PER_MS, CRD_SPEED_BOUND))
 }
 
 /// Fields of SetCrdPrm after core and crd.
@@ -73,8 +73,8 @@ fn frame<const AXES: usize>(context: &Context<AXES>, r: &SetCrdPrm) -> Admitted<
     }
     let vel_max = between(field::VEL_MAX, r.syn_vel_max.get())?;
     let acc_max = between(field::ACC_MAX, r.syn_acc_max.get())?;
-    real(field::VEL_MAX, vel_max, ALONG_MIN, VALUE_MAX)?;
-    real(field::ACC_MAX, acc_max, ALONG_MIN, VALUE_MAX)?;
+    real(field::VEL_MAX, vel_max, SPEED_MIN_PULSES_PER_MS, CRD_SPEED_BOUND)?;
+    real(field::ACC_MAX, acc_max, SPEED_MIN_PULSES_PER_MS, CRD_SPEED_BOUND)?;
     let even_ms = within(field::EVEN_TIME, r.even_time_ms.get(), 0, i16::MAX - 1)?.unsigned_abs();
     let set_origin = choice(field::SET_ORIGIN, r.set_origin_flag.get(), 0, 1)? == 1;
     let first = (context.core(r.core.get())? * axes) as u8;
@@ -156,7 +156,7 @@ pub fn position_at_standstill<const AXES: usize>(context: &Context<AXES>, crd: C
         let pos = context.position(axis)?;
         let zero = if frame.set_origin {
             Pos::pulses(frame.origin.get(axis.index() - usize::from(frame.first)).copied().unwrap_or(0))
-        } else if is_framed || of.placed.is_none_or(|(seq, _)| executed(context.view, seq)) {
+        } else if is_framed || of.position_set.is_none_or(|(seq, _)| executed(context.view, seq)) {
             // A SetCrdPrm that precedes what made the position unknown has been executed with it.
             sampled_zero
         } else {
@@ -219,7 +219,7 @@ pub fn start<const AXES: usize>(
             let queue = &mut queues[usize::from(fifo)];
             queue.update_cleared(context.crd_shadow(crd).path(fifo).cleared);
             if queue.waiting() > 0 {
-                queue.settle(&stores[usize::from(fifo)]);
+                queue.release_final(&stores[usize::from(fifo)]);
                 queue.begin(stores, context.crd_sampled(crd), fifo);
                 let (command, change) = context.shadows.commit_of_path(crd, fifo, queue.end());
                 context.stage_with(command, change);
@@ -251,8 +251,8 @@ pub fn stop_dec<const AXES: usize>(context: &mut Context<AXES>, r: &SetCrdStopDe
 
 pub fn set_override<const AXES: usize>(context: &mut Context<AXES>, r: &SetOverride) -> Admitted<Answer> {
     let crd = known(context, r.core.get(), r.crd.get())?;
-    let ratio = real(2, r.ratio.get(), OVERRIDE_MIN, 1.0)?;
-    let rate = FeedOverride::admit(ratio.to_bits()).map_err(|_| Refused::range(2, ratio, OVERRIDE_MIN, 1.0))?;
+    let ratio = real(2, r.ratio.get(), OVERRIDE_MIN_RATIO, 1.0)?;
+    let rate = FeedOverride::admit(ratio.to_bits()).map_err(|_| Refused::range(2, ratio, OVERRIDE_MIN_RATIO, 1.0))?;
     context.only(TickCommand::CrdOverride { crd, rate }, ShadowChange::Crd { crd, change: CrdChange::Override(ratio) })
 }
 
@@ -263,7 +263,7 @@ pub fn set_follow_filter<const AXES: usize>(context: &mut Context<AXES>, r: &Set
     if ms != 0.0 && ms < LAG_MS.0 {
         return Err(Refused::range(2, ms, LAG_MS.0, LAG_MS.1));
     }
-    let lag = if ms == 0.0 { FilterRate::NONE } else { FilterRate::of_inverse((NS_64 / (ms * 1e6)) as u64) };
+    let lag = if ms == 0.0 { FilterRate::NONE } else { FilterRate::of_inverse((FULL_SHARE_Q64 / (ms * 1e6)) as u64) };
     context.only(TickCommand::CrdLag { crd, lag }, ShadowChange::Crd { crd, change: CrdChange::Lag(ms) })
 }
 
@@ -276,7 +276,7 @@ pub fn look_ahead<const AXES: usize>(context: &mut Context<AXES>, r: &InitLookAh
     let look = if count == 0 {
         None
     } else {
-        let corner = real(3, r.time_ms.get(), 0.0, VALUE_MAX)?;
+        let corner = real(3, r.time_ms.get(), 0.0, CRD_SPEED_BOUND)?;
         Some(LookAheadSettings { corner, acc: between(4, r.acc_max.get())?, count })
     };
     if context.crd_shadow(crd).path(fifo).data.is_open() {

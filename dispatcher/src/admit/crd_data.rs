@@ -16,7 +16,7 @@ use super::written::{Paths, Stored, Written};
 use crate::configuration::Configuration;
 use crate::plan::geometry;
 use crate::plan::geometry::{Geometry, OFF_CENTRE_MAX_PULSES, Position, RADIUS_MAX_PULSES, RADIUS_MIN_PULSES};
-use crate::plan::look_ahead::{ALONG_MIN, Limits, rounded_down};
+use crate::plan::look_ahead::{Limits, SPEED_MIN_PULSES_PER_MS, rounded_down};
 use crate::plan::path_queue::{Destination, PathQueue, Queued};
 use crate::refuse::{Admitted, FifoOf, Refused, choice, real};
 use crate::report::answer::Answer;
@@ -41,8 +41,8 @@ struct LimitedSpeeds {
 /// Whether a share of a speed is above a limit. The rounding of doubles is tolerated, unless the
 /// share is 1.
 fn is_faster(vel: f64, share: f64, limit: f64) -> bool {
-    const ROUNDED: f64 = 4.0 * f64::EPSILON;
-    if share == 1.0 { vel > limit } else { vel * share > limit * (1.0 + ROUNDED) }
+    const ROUNDING_SHARE: f64 = 4.0 * f64::EPSILON;
+    if share == 1.0 { vel > limit } else { vel * share > limit * (1.0 + ROUNDING_SHARE) }
 }
 
 /// A FIFO that is being filled.
@@ -157,13 +157,13 @@ impl CrdFifoWrite<'_> {
     fn speeds(&self, given: &GivenSpeeds) -> Admitted<LimitedSpeeds> {
         let GivenSpeeds { vel, acc, end, field, .. } = *given;
         let (vel_max, acc_max) = (self.frame.vel_max, self.frame.acc_max);
-        real(field, vel, ALONG_MIN, f64::MAX)?;
-        real(field + 1, acc, ALONG_MIN, f64::MAX)?;
+        real(field, vel, SPEED_MIN_PULSES_PER_MS, f64::MAX)?;
+        real(field + 1, acc, SPEED_MIN_PULSES_PER_MS, f64::MAX)?;
         real(field + 2, end, 0.0, f64::MAX)?;
         let (vel, acc) = (vel.min(vel_max), acc.min(acc_max));
         let end = end.min(vel);
         let along = MotionSpeeds::admit(vel.to_bits(), acc.to_bits(), end.to_bits())
-            .map_err(|_| Refused::range(field, vel, ALONG_MIN, vel_max))?;
+            .map_err(|_| Refused::range(field, vel, SPEED_MIN_PULSES_PER_MS, vel_max))?;
         Ok(LimitedSpeeds { vel, acc, end, along })
     }
 
@@ -374,7 +374,7 @@ pub fn put<const AXES: usize>(context: &Context<AXES>, paths: Paths, (target, wh
                 }
             }
             if let EntryKind::Gear(axis, _) | EntryKind::Move(axis) = *kind {
-                data.beside.0 |= axis.mask().0;
+                data.extra_axes.0 |= axis.mask().0;
             }
             let ms = if let EntryKind::Delay(ms) = *kind { ms } else { 0.0 };
             filling.has_room(1)?;

@@ -110,7 +110,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
         match of {
             FifoOf::Crd(crd) => {
                 let queues = self.queues.get_mut(crd.index()).zip(self.entries.get(crd.index()));
-                let end = queues.map_or(0, |(queues, stores)| queues[index].settle_when_due(&stores[index]));
+                let end = queues.map_or(0, |(queues, stores)| queues[index].release_final_when_due(&stores[index]));
                 self.admitted.commit_of_path(crd, fifo, end)
             }
             FifoOf::Axis(axis) => self.admitted.commit_of_axis(axis, fifo),

@@ -18,7 +18,7 @@ use servo::tick_command::{DoGroup, TickCommand};
 use servo::units::{AxisMask, CYCLE_NS, CrdMask, Ns};
 
 /// Counts that one command sets at most.
-const EDGES_SET_MAX: i16 = 8;
+const SET_MAX_COUNTS: i16 = 8;
 
 /// GetDi and GetDo: one word.
 pub fn levels<const AXES: usize>(context: &Context<AXES>, number: u16, r: &GetDi) -> Admitted<Answer> {
@@ -91,7 +91,7 @@ pub fn set_edges<const AXES: usize>(context: &mut Context<AXES>, body: &[u8]) ->
     let (input, first, have) =
         context.inputs(request.core.get(), 1, (request.di_type.get(), request.di_index.get()))?;
     let count = i16::try_from(request.count.get()).unwrap_or(i16::MAX);
-    choice(3, count, 1, i16::from(have).min(EDGES_SET_MAX))?;
+    choice(3, count, 1, i16::from(have).min(SET_MAX_COUNTS))?;
     for (index, value) in (first..).zip(values) {
         context.stage(TickCommand::EdgeCount { input, index, count: value.value.get() });
     }

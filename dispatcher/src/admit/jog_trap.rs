@@ -1,5 +1,5 @@
 //! Jog and Trap: modes, parameters, targets, Update.
-use super::axis::{ACCEL_MAX, accel};
+use super::axis::{ACCEL_MAX_PULSES_PER_MS2, accel};
 use super::context::Context;
 use crate::refuse::{Admitted, Refused, real, within};
 use crate::report::answer::Answer;
@@ -30,7 +30,7 @@ pub fn set_mode<const AXES: usize>(context: &mut Context<AXES>, axis: Axis, mode
 
 /// An acceleration that may be 0, which is "not set".
 fn accel_or_none(field: u8, got: f64) -> Admitted<Accel> {
-    real(field, got, 0.0, ACCEL_MAX)?;
+    real(field, got, 0.0, ACCEL_MAX_PULSES_PER_MS2)?;
     if got == 0.0 { Ok(Accel::default()) } else { accel(field, got) }
 }
 

@@ -11,11 +11,11 @@ use super::written::Written;
 use super::{crd, length};
 use crate::refuse::{Admitted, FifoOf, Refused};
 use crate::report::answer::Answer;
-use crate::report::path_many::{KEPT, kept};
+use crate::report::path_many::{MESSAGES_KEPT, kept};
 use crate::report::pending_replies::PendingReplies;
 use crate::report::replies::Reading;
 use protocol::command::{CrdTaken, PathMany};
-use protocol::path_many::{FIXED, after, call_at, calls, is_short, target};
+use protocol::path_many::{FIXED_BYTES, after, call_at, calls, is_short, target};
 use protocol::reason::Reason;
 use servo::units::Crd;
 use servo::view::View;
@@ -86,7 +86,7 @@ impl PathManyProgress {
             replies.keep([value]);
             self.values += 1;
         }
-        debug_assert!(usize::from(self.values - before) <= KEPT);
+        debug_assert!(usize::from(self.values - before) <= MESSAGES_KEPT);
     }
 }
 
@@ -100,13 +100,13 @@ impl<const AXES: usize> Admission<'_, AXES> {
         joined: &mut PathManyProgress,
         replies: &mut PendingReplies<R, V>,
     ) -> Admitted<Advance> {
-        let (head, bytes) = PathMany::read_from_prefix(body).map_err(|_| length(body.len(), FIXED))?;
+        let (head, bytes) = PathMany::read_from_prefix(body).map_err(|_| length(body.len(), FIXED_BYTES))?;
         if !joined.has_begun() {
             check(&head, bytes)?;
         }
         let mut advance = Advance { written: None, count: 0, end: PathManyEnd::NoRoom };
         while let Some(call) = call_at(bytes, joined.at.into()) {
-            if !replies.has_room(KEPT) {
+            if !replies.has_room(MESSAGES_KEPT) {
                 return Ok(advance);
             }
             let due = DueInstant { follows: advance.count > 0, ..due };
@@ -143,7 +143,7 @@ impl<const AXES: usize> Admission<'_, AXES> {
 fn check(head: &PathMany, bytes: &[u8]) -> Admitted<()> {
     let wanted = protocol::path_many::length(bytes, head.count.get());
     if wanted != Some(bytes.len()) {
-        return Err(length(FIXED + bytes.len(), FIXED + wanted.unwrap_or(0)));
+        return Err(length(FIXED_BYTES + bytes.len(), FIXED_BYTES + wanted.unwrap_or(0)));
     }
     let own = [head.core.get(), head.crd.get(), head.fifo.get()];
     for (index, call) in calls(bytes).enumerate() {

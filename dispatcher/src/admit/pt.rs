@@ -142,8 +142,8 @@ impl<const AXES: usize> Context<'_, AXES> {
         if !executed(view, start) {
             // A WaitStop in between takes an unknown time.
             let after_wait = due.wait.is_none_or(|wait| (start.wrapping_sub(wait) << 1).cast_signed() > 0);
-            let since = due.script_ns.saturating_sub(u64::from(shadow.streams.saturating_sub(1)) << BEGINS_SHIFT);
-            return after_wait && shadow.streams != u32::MAX && before(since, length_ms(shadow));
+            let since = due.script_ns.saturating_sub(u64::from(shadow.stream_begins.saturating_sub(1)) << BEGINS_SHIFT);
+            return after_wait && shadow.stream_begins != u32::MAX && before(since, length_ms(shadow));
         }
         // At its instant the view decides; a stream that has ended does not begin again by itself.
         if self.is_due(axis) || !self.is_streaming(axis) {

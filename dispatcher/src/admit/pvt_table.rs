@@ -11,7 +11,7 @@ use super::pvt::{not_in_use, table};
 use super::upload::Upload;
 use crate::plan::pvt::{FieldIndices, POINT_VALUES, Scratch, SplineScratch, TableDraft, TableKind};
 use crate::refuse::{Admitted, Refused};
-use crate::report::answer::POINTS_MAX;
+use crate::report::answer::MAX_POINTS;
 use heapless::Vec;
 use protocol::command::{
     PvtContinuousCalculate, PvtPercentCalculate, PvtTable, PvtTableComplete, PvtTableContinuous, PvtTableEx,
@@ -201,7 +201,7 @@ impl PvtUpload {
     ) -> Admitted<bool> {
         let chunk = PvtChunk::read(number, body)?;
         context.core(chunk.key.core)?;
-        let mut values = Vec::<_, POINTS_MAX>::new();
+        let mut values = Vec::<_, MAX_POINTS>::new();
         // No room is used: these leave no table.
         let (Some(state), Some(room)) = (self.calculate.get_mut(lane), points.first()) else { return Ok(false) };
         let before = *state;

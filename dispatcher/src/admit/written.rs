@@ -2,7 +2,7 @@
 //! written to.
 use crate::plan::path_queue::PathQueue;
 use crate::refuse::{Admitted, FifoOf};
-use crate::report::answer::{Answer, TAKEN_MAX};
+use crate::report::answer::{Answer, TAKEN_MAX_VALUES};
 use crate::shadow::ShadowChange;
 use servo::path::PathStores;
 use servo::segment::pt::SegmentStore;
@@ -26,7 +26,7 @@ pub struct Written {
     /// Its commit goes by the immediate lane.
     pub at_once: bool,
     /// The values that the answer waits for: what a buffered laser command took.
-    pub took: [f64; TAKEN_MAX],
+    pub took: [f64; TAKEN_MAX_VALUES],
     /// Laser channel and follow table that an entry of a path names.
     pub named: Option<(u8, u8)>,
 }
@@ -34,7 +34,7 @@ pub struct Written {
 impl Written {
     /// Data of a FIFO whose commit is pushed with the others of its instant.
     pub fn new(of: FifoOf, fifo: u8, answer: Answer) -> Written {
-        Written { of, fifo, answer, at_once: false, took: [0.0; TAKEN_MAX], named: None }
+        Written { of, fifo, answer, at_once: false, took: [0.0; TAKEN_MAX_VALUES], named: None }
     }
 
     /// The values that its answer waits for.
@@ -44,11 +44,11 @@ impl Written {
 }
 
 /// Values that were taken, how many, which of them were limited.
-pub type TakenValues = ([f64; TAKEN_MAX], u8, u8);
+pub type TakenValues = ([f64; TAKEN_MAX_VALUES], u8, u8);
 
 /// Values for the reply, with their number.
 pub fn taken_values(values: &[f64], limited: u8) -> TakenValues {
-    let mut all = [0.0; TAKEN_MAX];
+    let mut all = [0.0; TAKEN_MAX_VALUES];
     for (slot, value) in all.iter_mut().zip(values) {
         *slot = *value;
     }

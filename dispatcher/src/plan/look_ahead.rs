@@ -89,7 +89,7 @@ const PLANS_PER_QUEUE: usize = 4;
 /// This part of the motions leaves under one plan where their speeds are not final.
 const BATCH_PARTS: usize = 32;
 /// Lowest speed (pulse/ms) and acceleration (pulse/ms²) of a motion.
-pub const ALONG_MIN: f64 = 1.0 / 1048576.0;
+pub const SPEED_MIN_PULSES_PER_MS: f64 = 1.0 / 1048576.0;
 
 /// A line, or an arc in a plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,11 +117,11 @@ servo::state! {
         acc: f32 = 0.0,
         /// The highest square of the speed at its start from which all that follows can be kept. As
         /// much as the junction allows is infinite, and not planned yet is NaN.
-        high: f32 = 0.0,
+        start_square: f32 = 0.0,
         /// Entries that follow it, before the next motion.
-        others: u16 = 0,
+        entries_after: u16 = 0,
         course: Course = Course::Line,
-        /// [`EITHER`] and [`SETTLED`].
+        /// [`EITHER_SIDE`] and [`FINAL`].
         flags: u8 = 0,
     }
     /// All bytes are zero.
@@ -129,9 +129,9 @@ servo::state! {
 }
 
 /// The bends of the junction may go to either side.
-const EITHER: u8 = 1;
+const EITHER_SIDE: u8 = 1;
 /// More data cannot raise the speed at the start.
-const SETTLED: u8 = 2;
+const FINAL: u8 = 2;
 
 const _: () = assert!(size_of::<WaitingMotion>() == 64);
 
@@ -164,14 +164,14 @@ impl WaitingMotion {
         (!self.is_line()).then_some((radius.into(), limit.into()))
     }
 
-    /// See `high`.
-    fn high(&self) -> f64 {
-        if self.high == f32::INFINITY { self.start.cap } else { self.high.into() }
+    /// See `start_square`.
+    fn start_square(&self) -> f64 {
+        if self.start_square == f32::INFINITY { self.start.cap } else { self.start_square.into() }
     }
 }
 
-/// A square of a speed that a junction with this cap allows, for [`WaitingMotion::high`].
-fn packed_high(high: f64, cap: f64) -> f32 {
+/// A square of a speed that a junction with this cap allows, for [`WaitingMotion::start_square`].
+fn packed_start_square(high: f64, cap: f64) -> f32 {
     if high >= cap { f32::INFINITY } else { rounded_down(high) }
 }
 
@@ -183,7 +183,7 @@ pub struct Planned {
     /// Its time without override, ms.
     pub ms: f64,
     /// Entries that follow it before the next motion. They wait for nothing else.
-    pub others: u16,
+    pub entries_after: u16,
 }
 
 /// The first motion whose junction may still turn out to be rounding, if there is one: its number,
@@ -212,19 +212,20 @@ servo::state! {
         pub(crate) end: usize = 0,
         /// Square of the speed at which the first motion begins: the end speed of the last one
         /// handed over.
-        begin: f64 = 0.0,
+        begin_square: f64 = 0.0,
         /// The last motion, for the junction to come.
         last: Option<LastMotion> = None,
-        moves: bool = false,
+        /// The path moves at the end of the last motion.
+        moves_at_end: bool = false,
         effects: u32 = 0,
         chords: Chords = Chords::new(),
-        pub(crate) unsure: UndecidedJunction = UndecidedJunction { number: 0, slot: 0, length: 0.0 },
+        pub(crate) undecided: UndecidedJunction = UndecidedJunction { number: 0, slot: 0, length: 0.0 },
         /// The first motion whose junction was changed since the last plan.
         changed: Option<usize> = None,
         /// Speeds are not planned for all motions.
-        stale: bool = false,
+        needs_plan: bool = false,
         /// Motions that came since the last plan.
-        came: usize = 0,
+        motions_since_plan: usize = 0,
         /// See [`LookAhead::hold_level`].
         level: Option<f64> = None,
     }
@@ -236,7 +237,7 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     /// Whether so much has come since the last plan that another is worth its time: it may go over
     /// all motions. A stop makes what is before it final.
     pub fn is_plan_due(&self) -> bool {
-        self.came > self.len() / PLANS_PER_QUEUE || self.stale && !self.moves
+        self.motions_since_plan > self.len() / PLANS_PER_QUEUE || self.needs_plan && !self.moves_at_end
     }
 
     /// New limits, while it is empty.
@@ -247,9 +248,9 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     /// Forgets everything: what comes next begins at standstill.
     pub fn clear(&mut self) {
         // Old content of the slots is void; a new value would take as much stack.
-        (self.first, self.end, self.begin, self.last) = (0, 0, 0.0, None);
-        (self.moves, self.effects, self.stale, self.came) = (false, 0, false, 0);
-        self.unsure = UndecidedJunction { number: self.chords.next(), slot: 0, length: 0.0 };
+        (self.first, self.end, self.begin_square, self.last) = (0, 0, 0.0, None);
+        (self.moves_at_end, self.effects, self.needs_plan, self.motions_since_plan) = (false, 0, false, 0);
+        self.undecided = UndecidedJunction { number: self.chords.next(), slot: 0, length: 0.0 };
         (self.changed, self.level) = (None, None);
     }
 
@@ -275,11 +276,11 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
         }
         let mut motion = self.motion(geometry, vel, acc);
         // If the last one was handed over, it ended at standstill.
-        let stops = !self.moves || self.effects > EFFECTS || self.is_empty() && self.begin == 0.0;
+        let stops = !self.moves_at_end || self.effects > EFFECTS || self.is_empty() && self.begin_square == 0.0;
         if let Some(before) = self.last.as_ref().filter(|_| !stops) {
             let (junction, either) = self.limits.junction(before, &motion, &geometry.tangents[0]);
             motion.start = junction;
-            motion.set(EITHER, either);
+            motion.set(EITHER_SIDE, either);
         }
         let is_line = motion.is_line();
         if stops || !is_line {
@@ -287,45 +288,45 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
         }
         self.last =
             Some(LastMotion { tangent: geometry.tangents[1], length: geometry.length, vel: motion.vel, is_line });
-        (self.moves, self.effects) = (true, 0);
-        if !self.has_unsure() {
-            self.unsure = UndecidedJunction { number: self.chords.next(), slot: self.end, length: 0.0 };
+        (self.moves_at_end, self.effects) = (true, 0);
+        if !self.has_undecided() {
+            self.undecided = UndecidedJunction { number: self.chords.next(), slot: self.end, length: 0.0 };
         }
-        self.unsure.length += f64::from(motion.length);
+        self.undecided.length += f64::from(motion.length);
         self.chords.push(motion.shape, if is_line { geometry.length } else { 0.0 }, stops);
         if let Some(slot) = self.slots.get_mut(self.end & (N - 1)) {
             *slot = motion;
         }
         self.forget_steps(self.end);
         self.end = self.end.wrapping_add(1);
-        (self.stale, self.came) = (true, self.came.saturating_add(1));
+        (self.needs_plan, self.motions_since_plan) = (true, self.motions_since_plan.saturating_add(1));
         self.decide(self.first);
         true
     }
 
     /// The path stops where the last motion ends.
     pub fn stop(&mut self) {
-        (self.moves, self.stale) = (false, true);
+        (self.moves_at_end, self.needs_plan) = (false, true);
         self.decide(self.end);
     }
 
     /// Whether there is a junction that may still turn out to be rounding.
-    fn has_unsure(&self) -> bool {
-        self.unsure.number != self.chords.next()
+    fn has_undecided(&self) -> bool {
+        self.undecided.number != self.chords.next()
     }
 
     /// Whether the junction at the start of this motion is what it will be.
-    fn is_sure(&self, slot: usize) -> bool {
-        !self.has_unsure() || slot.wrapping_sub(self.unsure.slot).cast_signed() < 0
+    fn is_decided(&self, slot: usize) -> bool {
+        !self.has_undecided() || slot.wrapping_sub(self.undecided.slot).cast_signed() < 0
     }
 
     /// Takes rounding out of the junctions after which there are enough motions, and of all before
     /// this motion.
     fn decide(&mut self, before: usize) {
-        while self.has_unsure() {
-            let UndecidedJunction { number, slot, length } = self.unsure;
+        while self.has_undecided() {
+            let UndecidedJunction { number, slot, length } = self.undecided;
             let motion = *self.slot(slot);
-            if motion.has(EITHER) {
+            if motion.has(EITHER_SIDE) {
                 let now = slot.wrapping_sub(before).cast_signed() < 0;
                 if !now && length < motion.vel * self.limits.corner && self.chords.has_room(number) {
                     return;
@@ -335,12 +336,12 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
                 let (start, either) = self.chords.without_rounding(&motion.start, number, vel, &self.limits);
                 if let Some(motion) = self.slots.get_mut(slot & (N - 1)) {
                     motion.start = start;
-                    motion.set(EITHER, either);
+                    motion.set(EITHER_SIDE, either);
                 }
                 self.forget_steps(slot);
-                (self.changed, self.stale) = (self.changed.or(Some(slot)), true);
+                (self.changed, self.needs_plan) = (self.changed.or(Some(slot)), true);
             }
-            self.pass_unsure();
+            self.pass_undecided();
         }
     }
 
@@ -355,10 +356,10 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     }
 
     /// On to the junction after.
-    fn pass_unsure(&mut self) {
-        let UndecidedJunction { number, slot, length } = self.unsure;
+    fn pass_undecided(&mut self) {
+        let UndecidedJunction { number, slot, length } = self.undecided;
         let length = length - f64::from(self.slot(slot).length);
-        self.unsure = UndecidedJunction { number: number.wrapping_add(1), slot: slot.wrapping_add(1), length };
+        self.undecided = UndecidedJunction { number: number.wrapping_add(1), slot: slot.wrapping_add(1), length };
     }
 
     /// An entry after the last motion that waits. There is one.
@@ -368,7 +369,7 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
         }
         self.effects = self.effects.saturating_add(entry.load());
         if let Some(motion) = self.slots.get_mut(self.end.wrapping_sub(1) & (N - 1)) {
-            motion.others = motion.others.saturating_add(1);
+            motion.entries_after = motion.entries_after.saturating_add(1);
         }
     }
 
@@ -397,11 +398,11 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
             _ => (Course::Line, direction.map(|x| x as f32)),
         };
         WaitingMotion {
-            vel: vel.max(ALONG_MIN),
+            vel: vel.max(SPEED_MIN_PULSES_PER_MS),
             shape,
             length: geometry.length as f32,
-            acc: acc.max(ALONG_MIN) as f32,
-            high: f32::NAN,
+            acc: acc.max(SPEED_MIN_PULSES_PER_MS) as f32,
+            start_square: f32::NAN,
             course,
             ..WaitingMotion::EMPTY
         }
@@ -411,7 +412,7 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     #[inline]
     fn each_bound(&self, motion: &WaitingMotion, end: &(Junction, bool), mut bound: impl FnMut(Bound)) {
         let (length, acc, vel) = (f64::from(motion.length), f64::from(motion.acc), motion.vel);
-        let (ends, either) = ([&motion.start, &end.0], [motion.has(EITHER), end.1]);
+        let (ends, either) = ([&motion.start, &end.0], [motion.has(EITHER_SIDE), end.1]);
         let reach = acc * length / 4.0;
         let fastest = ends.map(|end| (end.cap * vel * vel <= reach * reach).then(|| sqrt(end.cap) * vel));
         let corners = |bends: [f64; 2], limit| {
@@ -434,31 +435,31 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     }
 
     /// The junction at the end of a motion, the highest square of the speed there, and whether it
-    /// is settled and sure, as far as known.
+    /// is final and decided, as far as known.
     fn end_of(&self, counter: usize) -> ((Junction, bool), f64, [bool; 2]) {
         let next = counter.wrapping_add(1);
         if next == self.end {
-            return ((STANDSTILL, false), 0.0, [!self.moves; 2]);
+            return ((STANDSTILL, false), 0.0, [!self.moves_at_end; 2]);
         }
         let motion = self.slot(next);
-        ((motion.start, motion.has(EITHER)), motion.high(), [motion.has(SETTLED), self.is_sure(next)])
+        ((motion.start, motion.has(EITHER_SIDE)), motion.start_square(), [motion.has(FINAL), self.is_decided(next)])
     }
 
     /// Plans backwards from a stop at the end, as far as anything changes.
     fn plan(&mut self) {
-        if !self.stale {
+        if !self.needs_plan {
             return;
         }
-        (self.stale, self.came) = (false, 0);
+        (self.needs_plan, self.motions_since_plan) = (false, 0);
         let changed = self.changed.take();
-        let (mut after, mut settled, mut end, mut end_sure) = (0.0, !self.moves, (STANDSTILL, false), true);
+        let (mut after, mut is_final, mut end, mut end_decided) = (0.0, !self.moves_at_end, (STANDSTILL, false), true);
         let mut counter = self.end;
         while counter != self.first {
             counter = counter.wrapping_sub(1);
             let motion = self.slot(counter);
             // What is before the first junction that was changed is as it was, but for its end.
             let same = changed.is_none_or(|changed| counter.wrapping_sub(changed).cast_signed() < 0);
-            if motion.has(SETTLED) && same {
+            if motion.has(FINAL) && same {
                 return;
             }
             let cap = motion.start.cap;
@@ -467,28 +468,28 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
                 Some(step) => (step, None),
                 None => {
                     let mut span = Span::new(motion.length.into(), motion.acc.into());
-                    self.each_bound(motion, &end, |bound| span.keep(&bound));
-                    let (step, steps) = span.back(after, cap);
+                    self.each_bound(motion, &end, |bound| span.add(&bound));
+                    let (step, steps) = span.start_square(after, cap);
                     (step, Some(steps))
                 }
             };
-            let packed = packed_high(step.high, cap);
-            let sure = self.is_sure(counter);
+            let packed = packed_start_square(step.start_square, cap);
+            let decided = self.is_decided(counter);
             // Nothing raises a standstill.
-            settled = (settled || step.settled) && sure && end_sure || cap == 0.0;
-            if packed == motion.high && !settled && same {
+            is_final = (is_final || step.saturated) && decided && end_decided || cap == 0.0;
+            if packed == motion.start_square && !is_final && same {
                 return;
             }
-            end = (motion.start, motion.has(EITHER));
+            end = (motion.start, motion.has(EITHER_SIDE));
             if let Some(motion) = self.slots.get_mut(counter & (N - 1)) {
-                motion.high = packed;
-                motion.set(SETTLED, settled);
-                after = motion.high();
+                motion.start_square = packed;
+                motion.set(FINAL, is_final);
+                after = motion.start_square();
             }
             if let Some((kept, steps)) = self.steps.get_mut(counter & (N - 1)).zip(steps) {
                 *kept = steps;
             }
-            end_sure = sure;
+            end_decided = decided;
         }
     }
 
@@ -507,7 +508,7 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     /// The square of the speed that the path can have after the next motions, or has now.
     fn level(&self) -> f64 {
         let (_, high, _) = self.end_of(self.first.wrapping_add(self.batch() - 1));
-        high.max(self.begin)
+        high.max(self.begin_square)
     }
 
     /// Each motion has a level of its own again.
@@ -521,7 +522,7 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
         if self.is_empty() {
             return None;
         }
-        if now && self.has_unsure() {
+        if now && self.has_undecided() {
             self.decide(self.first.wrapping_add(2));
         }
         self.plan();
@@ -533,31 +534,32 @@ impl<const N: usize, const STEPS: usize> LookAhead<N, STEPS> {
     #[inline(never)]
     fn take_planned(&mut self, now: bool) -> Option<Planned> {
         let motion = self.slot(self.first);
-        let (junction, high, [settled, sure]) = self.end_of(self.first);
+        let (junction, high, [is_final, decided]) = self.end_of(self.first);
         let mut bounds: Vec<Bound, BOUNDS_MAX> = Vec::new();
         let mut span = Span::new(motion.length.into(), motion.acc.into());
         self.each_bound(motion, &junction, |bound| {
-            span.keep(&bound);
+            span.add(&bound);
             bounds.push(bound).ok();
         });
-        let most = if settled { high } else { self.level.unwrap_or_else(|| self.level()).min(high) };
-        let mut end = span.on(self.begin, high);
-        if !(now || settled || sure && end < most) {
+        let most = if is_final { high } else { self.level.unwrap_or_else(|| self.level()).min(high) };
+        let mut end = span.end_square(self.begin_square, high);
+        if !(now || is_final || decided && end < most) {
             return None;
         }
         if end > most {
-            end = end.min(span.least(self.begin).max(most));
+            end = end.min(span.least_end_square(self.begin_square).max(most));
         }
-        let ends = [self.begin, end].map(EndSpeed::of);
+        let ends = [self.begin_square, end].map(EndSpeed::of);
         let ChosenMotion { vel, acc, ms, ramp } = span.choose(&bounds, &ends, motion.vel);
-        let bits = [vel.max(ALONG_MIN), acc.max(ALONG_MIN), ends[1].speed].map(f64::to_bits);
+        let bits =
+            [vel.max(SPEED_MIN_PULSES_PER_MS), acc.max(SPEED_MIN_PULSES_PER_MS), ends[1].speed].map(f64::to_bits);
         let along = MotionSpeeds::admit(bits[0], bits[1], bits[2]).ok()?.with_ramp(ramp);
-        let others = motion.others;
-        if self.has_unsure() && self.unsure.slot == self.first {
-            self.pass_unsure();
+        let entries_after = motion.entries_after;
+        if self.has_undecided() && self.undecided.slot == self.first {
+            self.pass_undecided();
         }
-        (self.first, self.begin) = (self.first.wrapping_add(1), end);
-        Some(Planned { along, ms, others })
+        (self.first, self.begin_square) = (self.first.wrapping_add(1), end);
+        Some(Planned { along, ms, entries_after })
     }
 }
 

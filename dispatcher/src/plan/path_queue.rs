@@ -176,7 +176,7 @@ impl PathQueue {
     /// Whether the look-ahead is full after the final motions have left it.
     fn is_full(&mut self, store: &EntryStore) -> bool {
         if self.look.len() >= self.count {
-            self.settle(store);
+            self.release_final(store);
         }
         self.look.len() >= self.count
     }
@@ -227,20 +227,20 @@ impl PathQueue {
         store.write(self.end, store.entry(self.end).with_speeds(planned.along));
         self.set_time(self.end, planned.ms);
         self.last_ms = planned.ms as f32;
-        self.hand_over(1 + u32::from(planned.others));
+        self.hand_over(1 + u32::from(planned.entries_after));
         true
     }
 
     /// The tick's entries end here after data of a call. Final motions leave the look-ahead when a
     /// plan is due. [`PathQueue::feed`] does not wait for that: it comes before the tick begins the
     /// last motion that it has, if that is short. After a long one nothing waits.
-    pub fn settle_when_due(&mut self, store: &EntryStore) -> u32 {
+    pub fn release_final_when_due(&mut self, store: &EntryStore) -> u32 {
         let may_wait = self.end != self.first && self.last_ms < SHORT_MS;
-        if may_wait && !self.look.is_plan_due() { self.end } else { self.settle(store) }
+        if may_wait && !self.look.is_plan_due() { self.end } else { self.release_final(store) }
     }
 
     /// Final motions leave the look-ahead. Returns where the tick's entries end.
-    pub fn settle(&mut self, store: &EntryStore) -> u32 {
+    pub fn release_final(&mut self, store: &EntryStore) -> u32 {
         while self.take(store, false) {}
         self.end
     }
@@ -310,7 +310,7 @@ impl PathQueue {
         let mut more = true;
         while more && !self.look.is_empty() && self.lasts(stores, sampled, fifo) < until_ms {
             let end = self.end;
-            more = self.settle(store) != end || self.take_batch(store);
+            more = self.release_final(store) != end || self.take_batch(store);
         }
         self.end != before
     }

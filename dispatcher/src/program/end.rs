@@ -261,7 +261,7 @@ impl Program<'_> {
             self.replies.refused.clear();
             progress = true;
         }
-        self.settled = true;
+        self.admission_waits = true;
         progress
     }
 }

@@ -20,7 +20,7 @@ use crate::admit::staged::STAGED_MAX_BUT_RESET;
 use crate::admit::written::Written;
 use crate::admit::{kind, one};
 use crate::refuse::{Admitted, Refused};
-use crate::report::answer::{Answer, POINTS_MAX, TAKEN_MAX};
+use crate::report::answer::{Answer, MAX_POINTS, TAKEN_MAX_VALUES};
 use crate::report::pending_replies::{Awaiting, RecordOutcome};
 use crate::shadow::{ShadowChange, seq_after, seq_from};
 use protocol::command::{CommandKind, ProgramEnd, Sleep, WaitStop, class, opcode};
@@ -42,13 +42,13 @@ impl Program<'_> {
         let mut progress = false;
         for _ in 0..RECORDS_PER_POLL {
             if self.run.end.is_some() || !self.has_room() || self.records.front().is_none() {
-                self.settle(poll);
+                self.pause_admission(poll);
                 return progress;
             }
             // One place at a time would take a commit each.
             let waits = |full| poll.admission.drains(view, full) && poll.admission.free_quarters(view, full) == 0;
             if self.waits_for.is_some_and(waits) {
-                self.settle(poll);
+                self.pause_admission(poll);
                 return progress;
             }
             match self.take_record(poll) {
@@ -57,12 +57,12 @@ impl Program<'_> {
                     progress = true;
                 }
                 Ok(RecordOutcome::Wait) => {
-                    self.settle(poll);
+                    self.pause_admission(poll);
                     return progress;
                 }
                 Err(refused) if self.passes_over(poll, &refused) => progress = true,
                 Err(refused) => {
-                    self.settle(poll);
+                    self.pause_admission(poll);
                     return self.refuse(poll, &refused) || progress;
                 }
             }
@@ -73,7 +73,8 @@ impl Program<'_> {
     /// Whether a command other than Reset has room after the pending commits. Data adds at most
     /// one commit.
     fn has_room(&self) -> bool {
-        self.lane.room() >= STAGED_MAX_BUT_RESET + self.pending_commits.count() && self.replies.has_room(TAKEN_MAX)
+        self.lane.room() >= STAGED_MAX_BUT_RESET + self.pending_commits.count()
+            && self.replies.has_room(TAKEN_MAX_VALUES)
     }
 
     /// Whether a record from the wire may be admitted directly: it is data, and no record waits.
@@ -88,8 +89,8 @@ impl Program<'_> {
     }
 
     /// Nothing more can be admitted now.
-    fn settle<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) {
-        self.settled = true;
+    fn pause_admission<const AXES: usize>(&mut self, poll: &mut Poll<AXES>) {
+        self.admission_waits = true;
         if self.flush_due(poll.view).is_some_and(|due| due.0 <= poll.view.now.0) {
             self.flush(poll.admission);
         }
@@ -161,7 +162,7 @@ impl Program<'_> {
                 return self.take_joined(poll.admission, view, head, advance);
             }
             number if kind(number) == Some(CommandKind::Calculate) => {
-                if !self.replies.has_room(POINTS_MAX) {
+                if !self.replies.has_room(MAX_POINTS) {
                     return Ok(RecordOutcome::Wait);
                 }
                 let mut count = 0;

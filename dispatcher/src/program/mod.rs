@@ -131,7 +131,7 @@ servo::state! {
         /// ProgramStatus.
         overflowed: bool = false,
         /// Nothing more can be admitted before the tick or the client acts.
-        settled: bool = true,
+        admission_waits: bool = true,
         /// The record in hand waits for the machine and must not miss the tick: it may become right
         /// with any. One that waits for slots in a FIFO ahead of its time is not urgent.
         pub(crate) urgent: bool = false,
@@ -257,7 +257,7 @@ impl<'a> Program<'a> {
         }
         self.records.push(head, record.body);
         self.reported.accepted = self.reported.accepted.wrapping_add(1);
-        self.settled = false;
+        self.admission_waits = false;
         RecordOutcome::Taken
     }
 
@@ -270,7 +270,7 @@ impl<'a> Program<'a> {
         match record.opcode {
             opcode::ProgramStart => {
                 let start: ProgramStart = one(record.body)?;
-                if self.is_dropping() || !self.settled {
+                if self.is_dropping() || !self.admission_waits {
                     return Ok(RecordOutcome::Wait);
                 }
                 if !matches!(self.state, ProgramState::Empty | ProgramState::Held) {

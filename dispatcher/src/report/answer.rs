@@ -7,11 +7,11 @@ use servo::units::{Axis, Crd};
 pub type Sent = Result<(), Full>;
 
 /// Most points of a Calculate command, and values of its reply: as many as a message holds.
-pub const POINTS_MAX: usize = protocol::record::BODY_MAX / size_of::<PvtPercentPoint>();
+pub const MAX_POINTS: usize = protocol::record::BODY_MAX / size_of::<PvtPercentPoint>();
 const _: () = assert!(size_of::<PvtPercentPoint>() <= size_of::<PvtContinuousPoint>());
 
 /// Most values that a laser command takes.
-pub const TAKEN_MAX: usize = 4;
+pub const TAKEN_MAX_VALUES: usize = 4;
 
 /// The answer of an admitted command once it has been executed.
 #[derive(Debug, Clone, Copy)]

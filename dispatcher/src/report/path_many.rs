@@ -13,9 +13,11 @@ use protocol::record::ReplyWriter;
 use zerocopy::IntoBytes;
 
 /// Most values that a call keeps.
-pub const KEPT: usize = 3;
-const _: () =
-    assert!(2 * HELD_MAX + KEPT <= crate::capacity::AWAITING_VALUES, "a program holds what a PathMany reports");
+pub const MESSAGES_KEPT: usize = 3;
+const _: () = assert!(
+    2 * HELD_MAX + MESSAGES_KEPT <= crate::capacity::AWAITING_VALUES,
+    "a program holds what a PathMany reports"
+);
 
 /// The values to keep of a call.
 pub fn kept(call: u16, held: u8, values: &[f64]) -> impl Iterator<Item = f64> {

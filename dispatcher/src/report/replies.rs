@@ -16,7 +16,7 @@ use crate::bounded_vec::collect;
 use crate::configuration::{Configuration, ones};
 use crate::io_words::{EDGES_READ_MAX, WORD, WORDS};
 use crate::plan::path_queue::PathQueue;
-use crate::report::answer::{POINTS_MAX, Query, Sent, TAKEN_MAX};
+use crate::report::answer::{MAX_POINTS, Query, Sent, TAKEN_MAX_VALUES};
 use crate::shadow::Shadows;
 use heapless::Vec;
 use protocol::command::{self, Chapter, Request, chapter, opcode};
@@ -91,7 +91,7 @@ pub fn counts(count: Count) -> f64 {
 
 /// The reply to a Calculate command.
 pub fn values_reply(opcode: u16, tag: u16, values: impl Iterator<Item = f64>, out: &mut ReplyWriter) -> Sent {
-    let items: Vec<_, POINTS_MAX> = collect(values.map(|value| command::Real { value: value.into() }));
+    let items: Vec<_, MAX_POINTS> = collect(values.map(|value| command::Real { value: value.into() }));
     let head = command::Count { count: (items.len() as u16).into() };
     out.push_raw(opcode, tag, 0, &[head.as_bytes(), items.as_bytes()])
 }
@@ -104,7 +104,8 @@ pub fn took_reply(
     (count, limited): (u8, u8),
     out: &mut ReplyWriter,
 ) -> Sent {
-    let (mut reals, mut whole) = ([command::Real::default(); TAKEN_MAX], [command::ULong::default(); TAKEN_MAX]);
+    let (mut reals, mut whole) =
+        ([command::Real::default(); TAKEN_MAX_VALUES], [command::ULong::default(); TAKEN_MAX_VALUES]);
     for ((real, whole), value) in reals.iter_mut().zip(&mut whole).zip(taken) {
         (real.value, whole.value) = (value.into(), (value as u32).into());
     }

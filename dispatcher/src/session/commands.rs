@@ -15,7 +15,7 @@ use crate::program::Program;
 use crate::refuse::Refused;
 use crate::report::answer::Answer;
 use crate::report::event_log::{EventKind, ShutOff};
-use crate::report::path_many::KEPT;
+use crate::report::path_many::MESSAGES_KEPT;
 use crate::report::pending_replies::{Awaiting, PendingReplies, RecordOutcome, TickRefusal};
 use crate::shadow::{AxisShadow, CAPACITY, RefreshedNumbers, ShadowChange, Watch, is_in_flight};
 use protocol::command;
@@ -28,8 +28,8 @@ use servo::units::Crd;
 use servo::view::{AxisView, View};
 
 /// Most values of laser commands whose replies wait.
-const TAKEN: usize = 64;
-const _: () = assert!((HELD_AT_ONCE + 1) * KEPT <= TAKEN, "a PathMany reports as much as is promised");
+const LASER_VALUES: usize = 64;
+const _: () = assert!((HELD_AT_ONCE + 1) * MESSAGES_KEPT <= LASER_VALUES, "a PathMany reports as much as is promised");
 
 servo::state! {
     /// The command handler.
@@ -37,7 +37,7 @@ servo::state! {
         /// Admits commands.
         pub admission: Admission<'a, AXES> = admission,
         renewed: RefreshedNumbers = RefreshedNumbers::default(),
-        replies: PendingReplies<IMMEDIATE_ENTRIES, TAKEN> = PendingReplies::new(),
+        replies: PendingReplies<IMMEDIATE_ENTRIES, LASER_VALUES> = PendingReplies::new(),
         /// The next item of the LoadConfig in hand.
         config: Option<u16> = None,
         /// The PathMany in hand.

@@ -38,7 +38,7 @@ const POLL_PASSES: u32 = 16;
 /// Rows wait this long for more of them, before a message that is not full carries them.
 const TRACE_FLUSH_NS: u64 = 20_000_000;
 /// The head of a record of trace.
-const TRACE_HEAD: usize = size_of::<ReplyHead>();
+const TRACE_HEAD_BYTES: usize = size_of::<ReplyHead>();
 
 /// The thread's halves of the queues between thread and tick.
 pub struct ThreadHalves<'a, const AXES: usize> {
@@ -215,7 +215,8 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             return;
         }
         while self.outbox_len == 0 && self.link.free_slots() > 1 {
-            let Some((head, body)) = self.link.draft().and_then(|draft| draft.split_at_mut_checked(TRACE_HEAD)) else {
+            let Some((head, body)) = self.link.draft().and_then(|draft| draft.split_at_mut_checked(TRACE_HEAD_BYTES))
+            else {
                 return;
             };
             let mut count = 0;
@@ -232,11 +233,11 @@ impl<'a, const AXES: usize> Server<'a, AXES> {
             }
             let record =
                 ReplyHead { opcode: TRACE_RECORD.into(), tag: 0.into(), code: 0.into(), len: (count as u16).into() };
-            if record.write_to(head).is_err() || self.link.send_draft(TRACE_HEAD + count).is_err() {
+            if record.write_to(head).is_err() || self.link.send_draft(TRACE_HEAD_BYTES + count).is_err() {
                 return;
             }
             self.traced_at = self.time.0;
-            if TRACE_HEAD + count < protocol::MAX_PAYLOAD {
+            if TRACE_HEAD_BYTES + count < protocol::MAX_PAYLOAD {
                 return;
             }
         }

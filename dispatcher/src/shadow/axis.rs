@@ -18,7 +18,7 @@ pub struct FifoShadow {
     pub chain: Chain,
 }
 
-/// Units of [`AxisShadow::streams`]: 65.5 µs, for 78 hours.
+/// Units of [`AxisShadow::stream_begins`]: 65.5 µs, for 78 hours.
 pub const BEGINS_SHIFT: u32 = 16;
 
 /// One axis.
@@ -37,14 +37,14 @@ pub struct AxisShadow {
     /// The last start, until the axis is known to be at standstill at this point of its lane.
     pub started: Option<u32>,
     /// An entry of a path may have set it off since a wait for it.
-    pub aside: bool,
+    pub moved_by_entry: bool,
     /// Start of a dynamic stream that runs or will run: its script clock in 2^[`BEGINS_SHIFT`] ns,
     /// rounded down, plus 1. `u32::MAX` is later than that, 0 is no such stream.
-    pub streams: u32,
+    pub stream_begins: u32,
     /// The last start, until a view shows the axis at standstill.
     pub busy: Option<u32>,
     /// The last entry that set the planned position, and to what, until it is executed.
-    pub placed: Option<(u32, Pos)>,
+    pub position_set: Option<(u32, Pos)>,
     /// In `MotionMode::Crd`: the coordinate system that drives it.
     pub crd: Crd,
     /// The last AxisOn or AxisOff, until it is executed.
@@ -58,7 +58,7 @@ pub struct AxisShadow {
     pub invalid: u8,
     /// The start whose data that entry, or one that emptied a FIFO of Follow, may have dropped,
     /// until a view shows the axis at standstill.
-    pub leaving: Option<u32>,
+    pub dropped_start: Option<u32>,
     /// Stop decelerations, pulse/ms².
     pub dec: (f64, f64),
     /// In-position band (pulses) and time (250 µs cycles).
@@ -128,7 +128,7 @@ impl AxisShadow {
         // A start of its lane after what empties the FIFO reads the new data.
         let in_order = |(emptied, start): (u32, u32)| (emptied ^ start) & PROGRAM_FLAG == 0;
         let before =
-            if self.follow.emptied(fifo).zip(self.busy).is_some_and(in_order) { self.leaving } else { self.busy };
+            if self.follow.emptied(fifo).zip(self.busy).is_some_and(in_order) { self.dropped_start } else { self.busy };
         let busy = axis.status & RUNNING != 0 || is_in_flight(view, before);
         // The tick is known to run the other FIFO. With a start in flight, one before it may be in
         // flight, too.
@@ -152,7 +152,7 @@ impl AxisShadow {
     }
     /// The planned position at which the next entry finds the axis; none while only the tick knows.
     pub fn position<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> Option<Pos> {
-        match self.placed {
+        match self.position_set {
             _ if self.is_busy(view, axis) => None,
             Some((seq, pos)) if !executed(view, seq) => Some(pos),
             _ => Some(axis.pos),
@@ -166,7 +166,7 @@ impl AxisShadow {
     /// it: a stream that a WaitStop waits for, or a FIFO that will be emptied.
     pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, axis: &AxisView) -> bool {
         let runs = axis.status & RUNNING != 0;
-        let emptied = is_in_flight(view, self.emptied) && (runs || is_in_flight(view, self.leaving));
+        let emptied = is_in_flight(view, self.emptied) && (runs || is_in_flight(view, self.dropped_start));
         // A stream that a Stop has ended is over while its axis still brakes.
         let streams = axis.pt_state == pt_state::RUNNING || is_in_flight(view, self.busy);
         let ended = self.is_dynamic() && self.started.is_none() && streams;
@@ -195,7 +195,7 @@ impl AxisShadow {
     /// Entry `seq` empties the FIFOs of these bits.
     pub(super) fn empty(&mut self, seq: u32, fifos: u8) {
         self.emptied = Some(seq);
-        self.leaving = self.busy;
+        self.dropped_start = self.busy;
         self.invalid &= !fifos;
     }
     /// Entry `seq` starts it.
@@ -209,7 +209,7 @@ impl AxisShadow {
     }
     /// Entry `seq` stops it: a stream that runs then is over, and so is its data.
     pub(super) fn stop(&mut self, seq: u32) {
-        if core::mem::take(&mut self.streams) != 0 {
+        if core::mem::take(&mut self.stream_begins) != 0 {
             self.empty(seq, 0);
         }
     }
@@ -226,9 +226,9 @@ impl AxisShadow {
     }
     /// Calls `young` with every entry number.
     pub(super) fn renew(&mut self, young: &mut impl FnMut(&mut u32)) {
-        let AxisShadow { started, busy, placed, servo, cleared, emptied, leaving, follow, .. } = self;
-        [started, busy, cleared, emptied, leaving].into_iter().flatten().for_each(&mut *young);
-        placed.iter_mut().for_each(|(seq, _)| young(seq));
+        let AxisShadow { started, busy, position_set, servo, cleared, emptied, dropped_start, follow, .. } = self;
+        [started, busy, cleared, emptied, dropped_start].into_iter().flatten().for_each(&mut *young);
+        position_set.iter_mut().for_each(|(seq, _)| young(seq));
         servo.iter_mut().for_each(|(seq, _)| young(seq));
         follow.renew(young);
     }
@@ -237,7 +237,7 @@ impl AxisShadow {
         if self.epoch != axis.epoch {
             self.epoch = axis.epoch;
             if self.started.is_none_or(|seq| executed(view, seq)) {
-                self.streams = 0;
+                self.stream_begins = 0;
             }
             if self.is_dynamic() {
                 self.fifos = [FifoShadow::default(); 2];
@@ -247,6 +247,6 @@ impl AxisShadow {
         let over = |start: Option<u32>| start.filter(|&seq| !executed(view, seq) || axis.status & RUNNING != 0);
         self.started = over(self.started);
         self.busy = over(self.busy);
-        self.leaving = over(self.leaving);
+        self.dropped_start = over(self.dropped_start);
     }
 }

@@ -92,27 +92,34 @@ pub struct PathShadow {
     /// once it has run after that.
     passed: Option<u32>,
     /// Entries from the last start before it was emptied to that: 0 is none,
-    /// [`LEAVING_MAX_ENTRIES`] many, or they are of two lanes.
-    leaving: u8,
+    /// [`START_DISTANCE_MAX_ENTRIES`] many, or they are of two lanes.
+    start_distance: u8,
 }
 
 /// See [`PathShadow`].
-const LEAVING_MAX_ENTRIES: u8 = u8::MAX;
+const START_DISTANCE_MAX_ENTRIES: u8 = u8::MAX;
 
 impl PathShadow {
     /// An emptied FIFO, by entry `seq`, after the last start.
     fn emptied(cleared: u32, busy: Option<u32>, seq: u32) -> PathShadow {
         let entries = |start| (start & PROGRAM_FLAG == seq & PROGRAM_FLAG).then(|| entries_from(start, seq));
-        let far = |start| entries(start).and_then(|entries| u8::try_from(entries).ok()).unwrap_or(LEAVING_MAX_ENTRIES);
-        PathShadow { cleared, emptied: Some(seq), leaving: busy.map_or(0, far), last: Some(seq), ..Self::default() }
+        let far =
+            |start| entries(start).and_then(|entries| u8::try_from(entries).ok()).unwrap_or(START_DISTANCE_MAX_ENTRIES);
+        PathShadow {
+            cleared,
+            emptied: Some(seq),
+            start_distance: busy.map_or(0, far),
+            last: Some(seq),
+            ..Self::default()
+        }
     }
     /// Whether the tick may still read what was in its slots before it was emptied: it runs, or a
     /// start that precedes the emptying is in flight.
     pub fn is_outgoing<const AXES: usize>(&self, view: &View<AXES>, sampled: &CrdView) -> bool {
-        let start = |emptied| seq_from(emptied, 0u32.wrapping_sub(self.leaving.into()));
-        let in_flight = |emptied| match self.leaving {
+        let start = |emptied| seq_from(emptied, 0u32.wrapping_sub(self.start_distance.into()));
+        let in_flight = |emptied| match self.start_distance {
             0 => false,
-            LEAVING_MAX_ENTRIES => true,
+            START_DISTANCE_MAX_ENTRIES => true,
             _ => !executed(view, start(emptied)),
         };
         self.emptied.is_some_and(|seq| !executed(view, seq) && (sampled.runs || in_flight(seq)))
@@ -122,7 +129,7 @@ impl PathShadow {
         !self.loose && self.last.is_none_or(|seq| executed(view, seq))
     }
     /// So many of its motions were over when its path came to standstill.
-    fn settle(&mut self, over: u32) {
+    fn note_standstill(&mut self, over: u32) {
         if !self.data.is_open() {
             self.left = false;
             return;
@@ -163,7 +170,7 @@ pub struct CrdShadow {
     pub dec: (f64, f64),
     /// Axes beside its own that its entries may move, also those of data that was cleared since it
     /// ran.
-    pub beside: AxisMask,
+    pub extra_axes: AxisMask,
     /// Override.
     pub rate: f64,
     /// Time constant of the filter of its encoders' speed, ms.
@@ -258,9 +265,9 @@ impl CrdShadow {
 
     /// Everything of an earlier frame is over.
     pub(super) fn renew(&mut self, frame: Option<CrdParameters>, here: Option<Position>, seq: u32) {
-        let CrdShadow { started, busy, beside, fifos, .. } = *self;
+        let CrdShadow { started, busy, extra_axes, fifos, .. } = *self;
         let dec = frame.map_or((0.0, 0.0), |frame| (frame.acc_max, frame.acc_max));
-        *self = CrdShadow { frame, here, dec, started, busy, beside, last: Some(seq), ..CrdShadow::power_on() };
+        *self = CrdShadow { frame, here, dec, started, busy, extra_axes, last: Some(seq), ..CrdShadow::power_on() };
         for (path, before) in self.fifos.iter_mut().zip(fifos) {
             let cleared = before.cleared.wrapping_add(1);
             *path = PathShadow::emptied(cleared, busy, seq);
@@ -272,7 +279,7 @@ impl CrdShadow {
     /// any more.
     fn forget_moved(&mut self) {
         if self.busy.is_none() || self.fifos.iter().all(|path| path.emptied.is_none()) {
-            self.beside = AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.beside.0));
+            self.extra_axes = AxisMask(self.fifos.iter().fold(0, |mask, path| mask | path.data.extra_axes.0));
         }
     }
 
@@ -317,7 +324,7 @@ impl CrdShadow {
                     if seq != 0 {
                         path.last = Some(seq);
                     }
-                    self.beside.0 |= data.beside.0;
+                    self.extra_axes.0 |= data.extra_axes.0;
                     self.fed |= fifo == self.fifo && self.started.is_some();
                 }
             }
@@ -369,7 +376,7 @@ impl CrdShadow {
             // Motions of the FIFO that runs may still come to their end.
             let settled = fifo != sampled.fifo || path.data.motions == motions;
             if path.cleared == cleared && path.is_executed(view) && settled {
-                path.settle(motions);
+                path.note_standstill(motions);
             }
             // What has no target stays where the path is.
             if quiet && fifo == sampled.fifo && !path.left {
@@ -422,7 +429,7 @@ impl CrdShadow {
                 continue;
             }
             // What is in flight changes nothing of that at standstill.
-            path.settle(motions);
+            path.note_standstill(motions);
             if quiet && !path.loose || path.is_executed(view) {
                 // Entries in flight, as a Stop, change nothing of it at standstill. A wait that a
                 // Stop has ended is over for the tick, but not for the path.

@@ -42,7 +42,7 @@ pub fn is_in_flight<const AXES: usize>(view: &View<AXES>, seq: Option<u32>) -> b
 
 /// Entries after which numbers are renewed. Numbers are compared over half their range: one
 /// executed 2³⁰ entries ago would look as if it were still to come.
-const RENEWED: u32 = 1 << 24;
+const RENEWED_AFTER_ENTRIES: u32 = 1 << 24;
 
 /// What each lane had executed when numbers were renewed last.
 #[derive(Debug, Clone, Copy, Default)]
@@ -52,7 +52,7 @@ impl RefreshedNumbers {
     /// Whether it is time to renew them.
     pub fn is_due<const AXES: usize>(&mut self, view: &View<AXES>) -> bool {
         let done = [view.done_immediate, view.done_program];
-        let far = |(now, before): (u32, u32)| entries_from(before, now) >= RENEWED;
+        let far = |(now, before): (u32, u32)| entries_from(before, now) >= RENEWED_AFTER_ENTRIES;
         let due = done.into_iter().zip(self.0).any(far);
         if due {
             self.0 = done;

@@ -37,7 +37,7 @@ pub struct PathData {
     /// Axes that move in proportion to the next motion (gears).
     pub gears: AxisMask,
     /// Axes that its entries may move: of moves and gears.
-    pub beside: AxisMask,
+    pub extra_axes: AxisMask,
     /// The gear with the largest displacement, and that displacement, pulses.
     pub geared: Axis,
     pub gear: u32,

@@ -202,7 +202,7 @@ pub fn state(bench: &mut Bench<8>) -> String {
     }
     let view = bench.server.view();
     let mut lasers = view.lasers;
-    lasers.iter_mut().for_each(|laser| (laser.on_time, laser.moves) = (0, 0));
+    lasers.iter_mut().for_each(|laser| (laser.on_time, laser.version) = (0, 0));
     format!("{spaces:?} {} {lasers:?}", view.done_immediate)
 }
 

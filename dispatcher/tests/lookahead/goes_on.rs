@@ -5,7 +5,7 @@ use servo::path::{FifoEnds, Path, PathEntry, Plane};
 use servo::units::Ns;
 
 /// ns.
-const TICK: u64 = 20_000;
+const TICK_NS: u64 = 20_000;
 
 /// How long the path takes, ms, with an abrupt Stop after this time and a start at once.
 fn time(entries: &[PathEntry], stop: Option<u64>) -> f64 {
@@ -18,10 +18,10 @@ fn time(entries: &[PathEntry], stop: Option<u64>) -> f64 {
             path.stop(Ns(now), true, feed, &script, &mut heard);
             path.start(Ns(now), 0, feed, &script);
         }
-        if !path.step(Ns(now), Ns(TICK), feed, &script, &mut heard).runs {
+        if !path.step(Ns(now), Ns(TICK_NS), feed, &script, &mut heard).runs {
             return (now - 1_000_000) as f64 / 1e6;
         }
-        now += TICK;
+        now += TICK_NS;
     }
 }
 
@@ -29,7 +29,7 @@ fn time(entries: &[PathEntry], stop: Option<u64>) -> f64 {
 fn worst(calls: &[Call]) -> f64 {
     let entries = plan::<256>(calls);
     let whole = time(&entries, None);
-    let stops = (1..60).map(|part| (whole * 1e6) as u64 * part / 60 / TICK * TICK);
+    let stops = (1..60).map(|part| (whole * 1e6) as u64 * part / 60 / TICK_NS * TICK_NS);
     stops.map(|stop| time(&entries, Some(stop)) - whole).fold(0.0, f64::max)
 }
 

@@ -1,5 +1,5 @@
 //! Rounding to whole pulses is no turn; what it does not explain keeps the limits.
-use super::{Ahead, LIMITS, TICK, hardest, plan, polyline, positions, run, spiral};
+use super::{Ahead, LIMITS, TICK_NS, hardest, plan, polyline, positions, run, spiral};
 use crate::chance::Chance;
 use dispatcher::plan::look_ahead::Limits;
 use std::f64::consts::TAU;
@@ -77,7 +77,7 @@ fn a_curve_keeps_its_limits_over_the_corner_time() {
     for (name, calls) in curves {
         let positions = positions(plan::<256>(&calls));
         for (ms, part) in [(LIMITS.corner, 1.0), (2.0 * LIMITS.corner, 1.01)] {
-            let half = (ms * 1e6 / TICK) as usize;
+            let half = (ms * 1e6 / TICK_NS) as usize;
             let windows = positions.windows(2 * half + 1);
             let worst = windows.fold([0.0f64; 2], |worst, window| {
                 let second = |i: usize| (window[2 * half][i] - 2.0 * window[half][i] + window[0][i]).abs();

@@ -17,8 +17,9 @@ struct Both {
 impl Both {
     fn take(&mut self, now: bool, seed: u64) -> Option<Planned> {
         let [kept, plain] = [self.kept.take(now), self.plain.take(now)];
-        let bits =
-            |planned: Option<Planned>| planned.map(|planned| (planned.along, planned.ms.to_bits(), planned.others));
+        let bits = |planned: Option<Planned>| {
+            planned.map(|planned| (planned.along, planned.ms.to_bits(), planned.entries_after))
+        };
         assert_eq!(bits(kept), bits(plain), "path {seed}, motion {}", self.compared);
         self.compared += usize::from(kept.is_some());
         kept

@@ -39,7 +39,7 @@ pub const PLANNED_INPUTS: u16 = machine::ROWS as u16;
 pub const LASER_CLOCK: servo::laser::Clock = servo::laser::Clock::GHZ;
 
 /// Analog outputs of the board.
-pub const ANALOG_OUTPUTS: u8 = outputs::ANALOG as u8;
+pub const ANALOG_OUTPUTS: u8 = outputs::ANALOG_OUTPUTS as u8;
 
 /// Fastest axis that the step outputs can follow: they are only recorded, so nothing is too fast.
 pub const STEP_LIMIT: servo::units::StepLimit = servo::units::StepLimit::FULL_SCALE;

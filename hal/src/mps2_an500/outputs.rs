@@ -12,7 +12,7 @@ use servo::laser::{Action, CHANNELS, LaserPlan, Train};
 use servo::port::GeneralOutputs;
 
 /// Analog inputs of the board, and as many outputs.
-pub const ANALOG: usize = 8;
+pub const ANALOG_OUTPUTS: usize = 8;
 
 // Relaxed throughout: registers that only the tick writes, until the fault path has stopped it.
 // `used`: no code of the image reads them, a debugger does.
@@ -21,7 +21,7 @@ static ENABLE: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 static CLEAR: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 #[used]
 static GENERAL: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
-static DAC: [AtomicI16; ANALOG] = [const { AtomicI16::new(0) }; ANALOG];
+static DAC: [AtomicI16; ANALOG_OUTPUTS] = [const { AtomicI16::new(0) }; ANALOG_OUTPUTS];
 #[used]
 static LASERS: [Laser; CHANNELS] = [const { Laser::at_standstill() }; CHANNELS];
 
@@ -98,7 +98,7 @@ pub fn set_analog(channel: usize, value: i16) {
 pub fn safe_state() {
     LASERS.iter().for_each(Laser::safe_state);
     set(0, 0, 0);
-    for channel in 0..ANALOG {
+    for channel in 0..ANALOG_OUTPUTS {
         set_analog(channel, 0);
     }
 }

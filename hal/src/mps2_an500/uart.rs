@@ -20,7 +20,7 @@ const INT_TX: u32 = 1 << 0;
 const INT_RX: u32 = 1 << 1;
 
 /// The smallest divider that the UART takes: 1.5625 Mbaud. QEMU moves bytes as fast as they come.
-const FASTEST: u32 = 16;
+const FASTEST_DIVISOR: u32 = 16;
 
 /// Which of the board's UARTs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,7 +45,7 @@ pub struct Rx(Port);
 /// # Safety
 /// At most once for each UART.
 pub unsafe fn open(port: Port) -> (Tx, Rx) {
-    write(port, BAUDDIV, FASTEST);
+    write(port, BAUDDIV, FASTEST_DIVISOR);
     write(port, INT, INT_TX | INT_RX);
     write(port, CTRL, CTRL_QUIET);
     (Tx(port), Rx(port))

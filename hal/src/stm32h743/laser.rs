@@ -9,7 +9,7 @@
 //! DMA: it reports that to the tick ([`Lasers::was_late`]), and everything starts anew.
 use super::boards::BOARD;
 use super::clocks::{self, TIMER_MHZ};
-use super::pwm_dma::{BEGIN, LASER_0, LASER_1, SWITCHES, TIM15, Timer, empty_slots};
+use super::pwm_dma::{LASER_0, LASER_1, RING_BEGIN_COUNTS, SWITCHES, TIM15, Timer, empty_slots};
 use super::wiring::Break;
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
 use servo::laser::{CHANNELS, LaserPlan};
@@ -28,7 +28,7 @@ pub const SWITCH_SLOTS: usize = 272;
 /// Time that the start takes, in counts of the timers, with reserve.
 const START_COUNTS: u64 = 480;
 /// A compare value that no cycle reaches.
-const NEVER: u16 = u16::MAX;
+const NEVER_COMPARE: u16 = u16::MAX;
 
 #[unsafe(link_section = ".dma.laser_0")]
 static RING_0: RingSlots<ENERGY_SLOTS, 3> = empty_slots();
@@ -98,15 +98,15 @@ pub unsafe fn open() -> Lasers {
     // SAFETY: the caller's promise.
     let energy_timers = unsafe { [Timer::new(LASER_0, &RING_0, [0; 3]), Timer::new(LASER_1, &RING_1, [0; 3])] };
     // SAFETY: the caller's promise.
-    let switch_timer = unsafe { Timer::new(SWITCHES, &RING_SWITCHES, [0, 0, NEVER, 0, 0, NEVER]) };
+    let switch_timer = unsafe { Timer::new(SWITCHES, &RING_SWITCHES, [0, 0, NEVER_COMPARE, 0, 0, NEVER_COMPARE]) };
     Lasers {
         state: State::Stopped,
         next: 0,
         lasts: 0,
         delay_lines: [DelayLine::new(&DELAY_0), DelayLine::new(&DELAY_1)],
-        energies: [const { PwmCycles::from(BEGIN, SCALE) }; CHANNELS],
+        energies: [const { PwmCycles::from(RING_BEGIN_COUNTS, SCALE) }; CHANNELS],
         energy_timers,
-        switches: GateCycles::from(BEGIN, SCALE),
+        switches: GateCycles::from(RING_BEGIN_COUNTS, SCALE),
         switch_timer,
         is_live: [false; CHANNELS],
         was_late: false,
@@ -397,8 +397,8 @@ impl Lasers {
             reset();
         }
         self.next = 0;
-        self.energies = [const { PwmCycles::from(BEGIN, SCALE) }; CHANNELS];
-        self.switches = GateCycles::from(BEGIN, SCALE);
+        self.energies = [const { PwmCycles::from(RING_BEGIN_COUNTS, SCALE) }; CHANNELS];
+        self.switches = GateCycles::from(RING_BEGIN_COUNTS, SCALE);
         self.energy_timers.iter_mut().for_each(Timer::arm);
         self.switch_timer.arm();
         self.state = State::Begins;

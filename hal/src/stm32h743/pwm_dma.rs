@@ -19,9 +19,9 @@ use stm32_metapac::{DMAMUX1, TIM1, TIM8};
 pub const TIM15: TimAdv = unsafe { TimAdv::from_ptr(stm32_metapac::TIM15.as_ptr()) };
 
 /// Length of the two dark cycles with which a timer starts.
-const FIRST: u16 = 168;
+const FIRST_CYCLE_COUNTS: u16 = 168;
 /// Instant at which the cycles of the ring begin, in counts.
-pub const BEGIN: u64 = 2 * FIRST as u64;
+pub const RING_BEGIN_COUNTS: u64 = 2 * FIRST_CYCLE_COUNTS as u64;
 /// ARR among the registers (RM0433 38.4.19): where the burst begins.
 const BURST_BEGIN: u8 = 11;
 
@@ -102,7 +102,7 @@ impl<const SLOTS: usize, const WORDS: usize> Timer<SLOTS, WORDS> {
     /// follows once the ring is filled.
     pub fn arm(&mut self) {
         let TimerDma { timer, dma, stream, mux, request, .. } = self.timer_dma;
-        self.ring.begin(FIRST);
+        self.ring.begin(FIRST_CYCLE_COUNTS);
         DMAMUX1.ccr(mux).write(|w| w.set_dmareq_id(request));
         dma.ifcr(stream / 4).write(|w| {
             w.set_tcif(stream % 4, true);
@@ -119,7 +119,7 @@ impl<const SLOTS: usize, const WORDS: usize> Timer<SLOTS, WORDS> {
         timer.cnt().write(|w| w.set_cnt(0));
         timer.psc().write_value(0);
         timer.rcr().write(|_| {});
-        timer.arr().write(|w| w.set_arr(FIRST - 1));
+        timer.arr().write(|w| w.set_arr(FIRST_CYCLE_COUNTS - 1));
         for (channel, &dark) in self.ring.dark().iter().enumerate() {
             timer.ccr(channel).write(|w| w.set_ccr(dark));
         }

@@ -20,7 +20,7 @@ pub const SLOT_NS: u32 = 500;
 
 const SLOT_COUNTS: u32 = SLOT_NS * TIMER_MHZ as u32 / 1000;
 const WIDTH_SLOTS: usize = STEP_WIDTH_NS.div_ceil(SLOT_NS) as usize;
-const SET_UP: u32 = DIRECTION_SET_UP_NS.div_ceil(SLOT_NS);
+const SET_UP_SLOTS: u32 = DIRECTION_SET_UP_NS.div_ceil(SLOT_NS);
 
 /// Least number of slots before a tick begins in which it is still filled: the time to write its
 /// first word.
@@ -76,7 +76,7 @@ const fn distance(from: usize, to: usize) -> isize {
 impl Steps {
     /// At standstill at zero; nothing runs.
     pub const AT_REST: Steps =
-        Steps { output: StepOutput::new(SET_UP), runs: false, slots: 0, begin: 0, next: 0, is_filled: false };
+        Steps { output: StepOutput::new(SET_UP_SLOTS), runs: false, slots: 0, begin: 0, next: 0, is_filled: false };
 
     /// The pulse that an axis has reached at the end of the tick in force.
     pub fn reached(&self, axis: usize) -> i64 {

@@ -20,7 +20,7 @@ pub const BAUD: u32 = 3_000_000;
 const HALF: u8 = 0b010;
 
 /// Bytes of the ring: a power of two.
-const RING: usize = 512;
+const RING_BYTES: usize = 512;
 
 /// The stream that receives, which is also its channel of DMAMUX1, and its request (RM0433 17.3.2:
 /// USART3_RX).
@@ -28,7 +28,7 @@ const RECEIVE: usize = 2;
 const USART3_RX: u8 = 45;
 
 #[unsafe(link_section = ".dma.link")]
-static BYTES: [AtomicU8; RING] = [const { AtomicU8::new(0) }; RING];
+static BYTES: [AtomicU8; RING_BYTES] = [const { AtomicU8::new(0) }; RING_BYTES];
 
 /// Index in the ring of the byte that is read next.
 #[unsafe(link_section = ".state.words")]
@@ -59,7 +59,7 @@ pub unsafe fn open() -> (Tx, Rx) {
     let stream = DMA1.st(RECEIVE);
     stream.par().write_value(USART3.rdr().as_ptr() as u32);
     stream.m0ar().write_value(BYTES.as_ptr() as u32);
-    stream.ndtr().write(|w| w.set_ndt(RING as u16));
+    stream.ndtr().write(|w| w.set_ndt(RING_BYTES as u16));
     stream.cr().write(|w| {
         w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
         w.set_circ(true);
@@ -111,7 +111,7 @@ impl Rx {
         // The byte is read after the count that includes it.
         fence(Ordering::SeqCst);
         let byte = BYTES.get(index as usize)?.load(Ordering::Relaxed);
-        TAKEN.store((index + 1) % RING as u32, Ordering::Relaxed);
+        TAKEN.store((index + 1) % RING_BYTES as u32, Ordering::Relaxed);
         Some(byte)
     }
 }
@@ -135,7 +135,7 @@ pub fn acknowledge() -> bool {
 /// Index in the ring of the byte that DMA writes next.
 fn written() -> u32 {
     let left = u32::from(DMA1.st(RECEIVE).ndtr().read().ndt());
-    (RING as u32).wrapping_sub(left) % RING as u32
+    (RING_BYTES as u32).wrapping_sub(left) % RING_BYTES as u32
 }
 
 /// Whether a byte waits to be fetched.

@@ -24,9 +24,9 @@ use embassy_usb_synopsys_otg::{
 use stm32_metapac::{PWR, RCC, UID, USB_OTG_FS};
 
 /// Bytes of a packet.
-pub const PACKET: usize = 64;
+pub const PACKET_BYTES: usize = 64;
 /// Bytes that wait to be fetched: a packet of the control pipe and one of the link.
-pub const WAITING: usize = 2 * PACKET;
+pub const WAITING_BYTES: usize = 2 * PACKET_BYTES;
 /// Digits of the chip's unique id.
 pub const ID_DIGITS: usize = 24;
 
@@ -59,7 +59,7 @@ fn waits_for(mut is_so: impl FnMut() -> bool) -> bool {
 ///
 /// # Safety
 /// At most once.
-pub unsafe fn open(waiting: &'static mut [u8; WAITING]) -> Option<Usb> {
+pub unsafe fn open(waiting: &'static mut [u8; WAITING_BYTES]) -> Option<Usb> {
     // 3.3 V are external (UM2407); the chip's regulator stays off (RM0433 6.4).
     PWR.cr3().modify(|w| w.set_usb33den(true));
     if !waits_for(|| PWR.cr3().read().usb33rdy()) {
@@ -220,7 +220,7 @@ impl usb::ControlPipe for Control {
                     // A packet of data or of status follows. The driver sets only how many SETUP
                     // packets may come.
                     core().doeptsiz(0).modify(|w| {
-                        w.set_xfrsiz(PACKET as u32);
+                        w.set_xfrsiz(PACKET_BYTES as u32);
                         w.set_pktcnt(1);
                     });
                     enable_ready_endpoints();

@@ -128,10 +128,10 @@ enum Then {
 
 /// So many WaitStops that find everything at rest take no time; what follows more of them is late
 /// by a tick: an open finding.
-const WAITS: usize = 2;
+const FREE_WAITS: usize = 2;
 
 /// When a path has been at rest for so long, ns, where it is is known (docs/crd.md).
-const SETTLED: i64 = 3_000_000;
+const STANDSTILL_KNOWN_NS: i64 = 3_000_000;
 
 /// See the module text.
 pub struct Controller {
@@ -179,7 +179,8 @@ pub struct Controller {
     /// Where an arc begins may be known a tick late (docs/crd.md): 2 after a Stop, 1 after the
     /// WaitStop that follows it, until some time has passed.
     unsettled: u8,
-    /// An AxisOff has acted as a Stop, and so much less than `SETTLED` has passed since, ns.
+    /// An AxisOff has acted as a Stop, and so much less than `STANDSTILL_KNOWN_NS` has passed
+    /// since, ns.
     switched_off_ns: i64,
     /// No path has run, no Stop and no WaitStop has acted for so long, ns.
     still_ns: i64,
@@ -252,7 +253,7 @@ impl Controller {
         for (index, call) in calls.iter().enumerate() {
             apart.push(call.clone());
             if after.next_if_eq(&&index).is_some() {
-                apart.push(Call::Sleep { ns: SETTLED });
+                apart.push(Call::Sleep { ns: STANDSTILL_KNOWN_NS });
             }
         }
         program.complete.then_some(apart)
@@ -260,7 +261,7 @@ impl Controller {
 
     /// Whether less passes after a call before the next one.
     pub fn is_near(calls: &[Call], index: usize) -> bool {
-        calls.get(index + 1).is_some_and(|next| !matches!(next, Call::Sleep { ns } if *ns >= SETTLED))
+        calls.get(index + 1).is_some_and(|next| !matches!(next, Call::Sleep { ns } if *ns >= STANDSTILL_KNOWN_NS))
     }
 
     /// With the instants of its SetTicks as they were recorded, in their order.
@@ -337,7 +338,7 @@ impl Controller {
                     }
                     Call::Sleep { ns } => {
                         clock += ns;
-                        if *ns >= SETTLED && self.unsettled == 1 && self.crds.values().all(|of| !of.runs) {
+                        if *ns >= STANDSTILL_KNOWN_NS && self.unsettled == 1 && self.crds.values().all(|of| !of.runs) {
                             self.unsettled = 0;
                         }
                         program.replies[next] = Reply::Done(Value::None);
@@ -360,7 +361,7 @@ impl Controller {
                         waiting = self.paths_run(*core, *mask).then_some(axes);
                     }
                     call => {
-                        if self.waits > WAITS {
+                        if self.waits > FREE_WAITS {
                             self.open = Some("more WaitStops of an instant than are known ahead");
                             break;
                         }
@@ -373,7 +374,7 @@ impl Controller {
                             program.refused.push(next);
                             if self.spreads && Controller::is_near(calls, next) {
                                 program.spread.push(next);
-                                (clock, self.unsettled) = (clock + SETTLED, self.unsettled & 2);
+                                (clock, self.unsettled) = (clock + STANDSTILL_KNOWN_NS, self.unsettled & 2);
                             }
                         }
                         if self.open.is_some() {
@@ -402,7 +403,7 @@ impl Controller {
             // The same where every path has been at rest for as long.
             self.still_ns = if self.crds.values().any(|of| of.runs) { 0 } else { self.still_ns + now - before };
             self.switched_off_ns = (self.switched_off_ns - now + before).max(0);
-            if self.still_ns >= SETTLED {
+            if self.still_ns >= STANDSTILL_KNOWN_NS {
                 self.unsettled = 0;
             }
             for axis in std::mem::take(&mut self.early) {

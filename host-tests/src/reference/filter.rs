@@ -5,7 +5,7 @@
 use super::number::Fix;
 
 /// τ, ns.
-const TIME_CONSTANT: i64 = 1 << 22;
+const TIME_CONSTANT_NS: i64 = 1 << 22;
 
 /// See the module text.
 #[derive(Debug, Clone)]
@@ -32,7 +32,7 @@ impl Filter {
     /// A tick, after which the master is here.
     pub fn step(&mut self, master: Fix, tick_ns: i64) {
         if self.tick.0 != tick_ns {
-            let u = Fix::whole(tick_ns).over(Fix::whole(TIME_CONSTANT));
+            let u = Fix::whole(tick_ns).over(Fix::whole(TIME_CONSTANT_NS));
             self.tick = (tick_ns, u, share(u));
         }
         let (_, u, share) = self.tick;
@@ -56,7 +56,7 @@ mod tests {
             let first = filter.lag.to_f64();
             let n = 20_000_000 / tick;
             (0..n).for_each(|_| filter.step(Fix::ONE, tick));
-            let decay = (-20_000_000.0 / TIME_CONSTANT as f64).exp();
+            let decay = (-20_000_000.0 / TIME_CONSTANT_NS as f64).exp();
             assert!((filter.lag.to_f64() - first * decay).abs() < 1e-15, "{tick}");
             let mut filter = Filter::new(Fix::ZERO);
             for k in 1..=100_000_000 / tick {

@@ -80,10 +80,10 @@ pub struct Timed {
 }
 
 /// 2⁻⁵⁴ ms.
-const ROUNDING: Fix = Fix(1 << 10);
+const ROUNDING_MS: Fix = Fix(1 << 10);
 /// 2⁻¹⁸ ms: what rounding of a controller's own numbers may decide, of which velocities have 2⁻²²
 /// pulse/ms.
-const DOUBT: Fix = Fix(1 << 46);
+const DOUBT_MS: Fix = Fix(1 << 46);
 
 /// How a step ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,7 +110,7 @@ impl Timed {
 
     /// A ramp: its end is known to a controller's rounding, and `more` where that decides more.
     pub fn rounded(self, more: Fix) -> Timed {
-        Timed { rounded: Some(DOUBT + more), ..self }
+        Timed { rounded: Some(DOUBT_MS + more), ..self }
     }
 
     /// The same after a delay, ms.
@@ -137,13 +137,13 @@ impl Timed {
             let length = self.curve.length();
             let end = self.began + length;
             let apart = (end - b).abs();
-            if apart < ROUNDING {
+            if apart < ROUNDING_MS {
                 b = end;
             }
             self.open |= match self.rounded {
                 // Also where it falls exactly on the tick: 1/acc is rounded.
                 Some(rounded) => apart < rounded,
-                None => apart < DOUBT && apart >= ROUNDING,
+                None => apart < DOUBT_MS && apart >= ROUNDING_MS,
             };
             if b < end || self.curve.cruise != Fix::ZERO {
                 self.points(a, b, out);
@@ -193,6 +193,6 @@ impl Timed {
 
     /// Whether another part of the curve begins at an instant, or within rounding of it.
     pub fn is_at_knot(&self, at: Fix) -> bool {
-        self.curve.has_knot_near(self.position(at), DOUBT)
+        self.curve.has_knot_near(self.position(at), DOUBT_MS)
     }
 }

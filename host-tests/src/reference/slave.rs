@@ -132,7 +132,7 @@ struct Leg {
 }
 
 /// More entries than this in a tick, and it stands until the next.
-const ACTIONS: u64 = 8;
+const TICK_ACTIONS: u64 = 8;
 
 impl Slave {
     pub fn new(items: &[Item], fifo: usize, dir: i16, begin: Begin, origin: Fix) -> Slave {
@@ -333,7 +333,7 @@ impl Slave {
         self.position = self.table.knots[self.next].0;
         self.floor = (self.pass, self.next);
         self.done += 1;
-        if self.done > ACTIONS {
+        if self.done > TICK_ACTIONS {
             self.doubt("more entries than a tick carries out");
         }
         match self.items[index] {

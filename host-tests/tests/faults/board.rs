@@ -22,7 +22,7 @@ pub fn image() -> Option<PathBuf> {
 pub struct Board {
     link: Arc<Mutex<QemuLink>>,
     /// Roads opened; only the newest leads to the board.
-    roads: Arc<AtomicU32>,
+    clients: Arc<AtomicU32>,
     pub socket: Socket,
 }
 
@@ -35,35 +35,35 @@ impl Board {
         if held {
             machine.extra.push("-S".into());
         }
-        Board { link: Arc::new(Mutex::new(QemuLink::start(&machine).unwrap())), roads: Arc::default(), socket }
+        Board { link: Arc::new(Mutex::new(QemuLink::start(&machine).unwrap())), clients: Arc::default(), socket }
     }
 
     pub fn switchboard(&self) -> Switchboard {
         self.link.lock().unwrap().switchboard().unwrap()
     }
 
-    pub fn road(&self) -> Road {
-        let number = self.roads.fetch_add(1, Ordering::Relaxed) + 1;
-        let (link, roads) = (Arc::clone(&self.link), Arc::clone(&self.roads));
-        Road { link, roads, number, left: None, sent: Arc::default(), ahead: 0 }
+    pub fn client_link(&self) -> ClientLink {
+        let number = self.clients.fetch_add(1, Ordering::Relaxed) + 1;
+        let (link, clients) = (Arc::clone(&self.link), Arc::clone(&self.clients));
+        ClientLink { link, clients, number, left: None, sent: Arc::default(), ahead: 0 }
     }
 
     pub fn open(&self) -> Client {
-        self.open_over(self.road())
+        self.open_over(self.client_link())
     }
 
     /// Patient with a host that is busy.
-    pub fn open_over(&self, road: Road) -> Client {
+    pub fn open_over(&self, client_link: ClientLink) -> Client {
         let patient = Duration::from_secs(20);
         let options = Options { open_timeout: patient, timeout: patient, ..Options::default() };
-        Client::open(Box::new(road), options).unwrap()
+        Client::open(Box::new(client_link), options).unwrap()
     }
 }
 
-/// The way of one client to the board.
-pub struct Road {
+/// The link of one client to the board.
+pub struct ClientLink {
     link: Arc<Mutex<QemuLink>>,
-    roads: Arc<AtomicU32>,
+    clients: Arc<AtomicU32>,
     number: u32,
     /// Bytes that still pass, then it is cut both ways; and whether it is cut at all.
     pub left: Option<Arc<Mutex<usize>>>,
@@ -73,16 +73,16 @@ pub struct Road {
     ahead: u64,
 }
 
-impl Road {
+impl ClientLink {
     fn link(&self) -> Result<MutexGuard<'_, QemuLink>> {
-        if self.roads.load(Ordering::Relaxed) != self.number {
+        if self.clients.load(Ordering::Relaxed) != self.number {
             return Err(Error::new(error::LINK_SEND, "another client has the board"));
         }
         Ok(self.link.lock().unwrap())
     }
 }
 
-impl Link for Road {
+impl Link for ClientLink {
     fn name(&self) -> &str {
         "qemu"
     }
@@ -110,7 +110,7 @@ impl Link for Road {
         self.link.lock().unwrap().now() + self.ahead
     }
 
-    /// A road that may be cut sends nothing by itself.
+    /// A link that may be cut sends nothing by itself.
     fn real_time(&self) -> bool {
         self.left.is_none()
     }

@@ -17,7 +17,7 @@ pub struct Case {
 }
 
 /// End of every case, µs.
-pub const HORIZON: i64 = 3000;
+pub const CASE_END_US: i64 = 3000;
 
 pub fn number(value: i128) -> Exact {
     Exact::from_integer(value)
@@ -224,7 +224,7 @@ fn last_pulse() -> Vec<Case> {
             })
         },
         Case {
-            switch: vec![(50, HORIZON)],
+            switch: vec![(50, CASE_END_US)],
             light: vec![(100, 500)],
             energy: vec![(100, 500)],
             ..case("mode_3_cuts_the_last_pulse_and_holds_the_switch", {
@@ -310,8 +310,8 @@ fn last_pulse() -> Vec<Case> {
             })
         },
         Case {
-            switch: vec![(100, HORIZON)],
-            light: vec![(100, HORIZON)],
+            switch: vec![(100, CASE_END_US)],
+            light: vec![(100, CASE_END_US)],
             ..case("frequency_0_is_no_pulses", {
                 duty(&[(50, mode(Mode::Frequency, 1000)), (50, width(10)), (100, ON)])
             })
@@ -393,7 +393,7 @@ fn standby_and_modes() -> Vec<Case> {
             })
         },
         Case {
-            switch: vec![(50, HORIZON)],
+            switch: vec![(50, CASE_END_US)],
             light: vec![(100, 300)],
             energy: train(100, 300),
             ..case("no_standby_after_an_open_switch", {

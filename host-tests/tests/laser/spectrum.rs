@@ -81,24 +81,25 @@ pub fn worst(lines: &[Line]) -> Option<Line> {
 
 /// Lines as an SVG figure from 0 to −80 dB.
 pub fn figure(title: &str, lines: &[Line], up_to: u64) -> String {
-    const W: f64 = 720.0;
-    const H: f64 = 320.0;
-    let x = |multiple: f64| 60.0 + multiple / up_to as f64 * (W - 80.0);
-    let y = |db: f64| 40.0 + db.clamp(-80.0, 0.0) / -80.0 * (H - 90.0);
+    const WIDTH_PX: f64 = 720.0;
+    const HEIGHT_PX: f64 = 320.0;
+    let x = |multiple: f64| 60.0 + multiple / up_to as f64 * (WIDTH_PX - 80.0);
+    let y = |db: f64| 40.0 + db.clamp(-80.0, 0.0) / -80.0 * (HEIGHT_PX - 90.0);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {W} {H}\" font-family=\"sans-serif\" font-size=\"12\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH_PX} {HEIGHT_PX}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"60\" y=\"22\">{title}</text>\n"
     );
     for db in (0..=80).step_by(20) {
         let y = y(-f64::from(db));
-        let _ = writeln!(svg, "<path d=\"M60 {y:.1}H{:.1}\" stroke=\"#ccc\"/>", W - 20.0);
+        let _ = writeln!(svg, "<path d=\"M60 {y:.1}HEIGHT_PX{:.1}\" stroke=\"#ccc\"/>", WIDTH_PX - 20.0);
         let _ = writeln!(svg, "<text x=\"52\" y=\"{:.1}\" text-anchor=\"end\">{} dB</text>", y + 4.0, -db);
     }
     for multiple in 0..=up_to {
         let x = x(multiple as f64);
-        let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{multiple} f</text>", H - 30.0);
+        let _ =
+            writeln!(svg, "<text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{multiple} f</text>", HEIGHT_PX - 30.0);
     }
-    let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">frequency</text>", W - 90.0, H - 10.0);
+    let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">frequency</text>", WIDTH_PX - 90.0, HEIGHT_PX - 10.0);
     for line in lines.iter().filter(|line| line.db > -80.0) {
         let colour = if line.harmonic { "#1f4e79" } else { "#c0392b" };
         let (x, top) = (x(line.multiple), y(line.db));

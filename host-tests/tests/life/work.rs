@@ -13,7 +13,7 @@ pub const TICK_US: u64 = 250;
 /// 62.5 s: 125 passes of PT, 200 of PVT.
 pub const ROUND_TICKS: u64 = 250_000;
 /// Way of the stream of a round, pulses.
-pub const STREAM: f64 = 12.25;
+pub const STREAM_PULSES: f64 = 12.25;
 
 /// What runs for ever.
 pub const SETUP: &str = "
@@ -75,7 +75,7 @@ pub fn round(number: u64) -> String {
     }
     text += "GT_BufLaserFollowOff(1, 0, 0); GT_CrdData(1, NULL, 0); GT_CrdStart(1, 0);\n";
     for segment in 1..=200 {
-        let (pos, kind) = (STREAM / 200.0 * f64::from(segment), if segment == 200 { 2 } else { segment % 2 });
+        let (pos, kind) = (STREAM_PULSES / 200.0 * f64::from(segment), if segment == 200 { 2 } else { segment % 2 });
         text += &format!("GT_PtData(8, {pos:?}, {}, {kind});\n", segment * 250);
     }
     text += "GT_PtStart(128);\n";

@@ -5,7 +5,7 @@ use host_tests::light_judge::fact::Laser;
 use host_tests::light_judge::{Channel, Fpk, Ns, Output, Settings, Switch, Timing};
 
 /// Code of the pre-voltage, 1.5 V.
-const WAITING: i16 = 4915;
+const PRE_VOLTAGE_CODE: i16 = 4915;
 
 struct Maker {
     chance: Chance,
@@ -29,7 +29,7 @@ fn channel(chance: &mut Chance, is_gus: bool, set_up: u8) -> (Channel, Device) {
     let timing = Timing { on: on * 1000, off: off * 1000, fpk: has_fpk.then_some(fpk) };
     let waiting = chance.below(3) == 0;
     let output = match mode {
-        2 => Output::Volts { waiting: if waiting { WAITING } else { 0 }, least: 9800 },
+        2 => Output::Volts { waiting: if waiting { PRE_VOLTAGE_CODE } else { 0 }, least: 9800 },
         1 => Output::Pulses { period: (1e6 / power) as Ns + 3, standby: if waiting { 16_000 } else { 0 } },
         _ => Output::Pulses { period: (1e6 / khz) as Ns + 3, standby: if waiting && !held { 16_000 } else { 0 } },
     };

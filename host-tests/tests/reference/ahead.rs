@@ -25,9 +25,9 @@ mod course;
 type Position = [f64; 4];
 
 /// Rounding of a set-point.
-const GRAIN: f64 = 1.0 / 4_194_304.0;
+const ROUNDING_PULSES: f64 = 1.0 / 4_194_304.0;
 /// SPEC 11.
-const BOUND: f64 = 1.0 / 65_536.0;
+const BOUND_PULSES: f64 = 1.0 / 65_536.0;
 
 /// Where on a motion a place is: how far along, and how far from it.
 fn project(geometry: &Geometry, position: &Position, least: f64) -> (f64, f64) {
@@ -124,7 +124,7 @@ fn judge(
     let last = motions.last().ok_or("no motions")?;
     let end = last.geometry.end();
     let position = positions[positions.len() - 1];
-    if (0..4).any(|axis| (position[axis] - end[axis].round()).abs() > GRAIN) {
+    if (0..4).any(|axis| (position[axis] - end[axis].round()).abs() > ROUNDING_PULSES) {
         return Err(format!("it ends at {position:?}, not at {end:?}"));
     }
     let status = course.calls.len() - 1;
@@ -154,9 +154,10 @@ fn spots(motions: &[Motion], positions: &[Position], tick_ms: f64, course: &Cour
             if travelled > at.travelled + course.speed * tick_ms * 1.001 + 1.0 {
                 break None;
             }
-            if off <= 2.0 * BOUND && travelled >= at.travelled - 2.0 * BOUND {
+            if off <= 2.0 * BOUND_PULSES && travelled >= at.travelled - 2.0 * BOUND_PULSES {
                 let next = motions.get(index + 1).map(|next| project(next.geometry, position, 0.0));
-                let is_double = next.is_some_and(|(along, off)| off <= 2.0 * BOUND && along > 4.0 * BOUND);
+                let is_double =
+                    next.is_some_and(|(along, off)| off <= 2.0 * BOUND_PULSES && along > 4.0 * BOUND_PULSES);
                 break Some(Spot { motion: index, along, travelled: travelled.max(at.travelled), is_double });
             }
             index += 1;
@@ -193,7 +194,7 @@ fn speeds(
         let most = within.iter().map(|motion| motion.vel).fold(0.0, f64::max).min(course.speed);
         let speed = (pair[1].travelled - pair[0].travelled) / tick_ms;
         let ms = tick as f64 * tick_ms;
-        if speed > most * (1.0 + 1e-9) + 4.0 * BOUND / tick_ms {
+        if speed > most * (1.0 + 1e-9) + 4.0 * BOUND_PULSES / tick_ms {
             let from = tick.saturating_sub(2);
             let around = &spots[from..(tick + 4).min(spots.len())];
             let given: Vec<_> = motions[pair[0].motion..=pair[1].motion].iter().map(|motion| motion.geometry).collect();
@@ -201,7 +202,7 @@ fn speeds(
         }
         for axis in 0..course.dimension {
             let speed = (positions[tick + 1][axis] - positions[tick][axis]).abs() / tick_ms;
-            if speed > course.vel[axis] + 4.0 * GRAIN / tick_ms {
+            if speed > course.vel[axis] + 4.0 * ROUNDING_PULSES / tick_ms {
                 return Err(format!("at {ms} ms coordinate {axis} has {speed}, its limit is {}", course.vel[axis]));
             }
         }
@@ -225,7 +226,7 @@ fn accelerations(
     tick_ms: f64,
     tally: &mut BTreeMap<&'static str, u64>,
 ) -> Result<(), String> {
-    let rounding = 4.0 * GRAIN / (tick_ms * tick_ms);
+    let rounding = 4.0 * ROUNDING_PULSES / (tick_ms * tick_ms);
     let moves = |tick: usize| spots[tick + 1].travelled > spots[tick].travelled;
     for tick in 1..spots.len() - 1 {
         let three = &spots[tick - 1..=tick + 1];
@@ -235,7 +236,7 @@ fn accelerations(
         let ms = tick as f64 * tick_ms;
         let motion = &motions[three[0].motion];
         // Within rounding of its end it may be on the next one.
-        if three[2].along > motion.geometry.length() - 4.0 * BOUND {
+        if three[2].along > motion.geometry.length() - 4.0 * BOUND_PULSES {
             continue;
         }
         let braking = if course.disturbed { course.stop_dec } else { 0.0 };
@@ -245,7 +246,7 @@ fn accelerations(
         }
         let second = three[2].travelled - 2.0 * three[1].travelled + three[0].travelled;
         let along = second.abs() / (tick_ms * tick_ms);
-        let room = BOUND.min(1e-6 * motion.geometry.length() + 8.0 * GRAIN) / (tick_ms * tick_ms);
+        let room = BOUND_PULSES.min(1e-6 * motion.geometry.length() + 8.0 * ROUNDING_PULSES) / (tick_ms * tick_ms);
         if along > motion.acc.max(braking) * (1.0 + 1e-6) + room {
             let from = tick.saturating_sub(4);
             let travelleds: Vec<(usize, f64)> =
@@ -297,7 +298,7 @@ fn accelerations(
                 let jump = (mean(first, axis) - mean(tick, axis)).abs();
                 let limit = course.acc[axis];
                 let most = limit * (course.corner + (first + 1 - tick) as f64 * tick_ms);
-                if jump > most * (1.0 + 1e-6) + rounded(tick, first) + 4.0 * GRAIN / tick_ms {
+                if jump > most * (1.0 + 1e-6) + rounded(tick, first) + 4.0 * ROUNDING_PULSES / tick_ms {
                     return Err(format!(
                         "before motion {index} the velocity of coordinate {axis} changes by {jump}, L·T is {}",
                         limit * course.corner
@@ -320,7 +321,7 @@ fn accelerations(
                 let limit = course.acc[axis];
                 // The middles lie within their ticks: up to a tick of acceleration at each end.
                 let most = limit * (now - ms + 2.0 * tick_ms) * (1.0 + 1e-3);
-                if change > most + rounded(other, middle) + 4.0 * GRAIN / tick_ms {
+                if change > most + rounded(other, middle) + 4.0 * ROUNDING_PULSES / tick_ms {
                     let mean = change / (now - ms);
                     return Err(format!(
                         "from the middle of motion {} to that of {index} coordinate {axis} has {mean}, its limit is {limit}",
@@ -350,9 +351,9 @@ fn rests(
             continue;
         }
         let vertex = motion.begin;
-        let tick = spots.partition_point(|spot| spot.travelled < vertex - BOUND).max(1);
+        let tick = spots.partition_point(|spot| spot.travelled < vertex - BOUND_PULSES).max(1);
         let ms: f64 = delays.iter().filter(|(at, _)| *at == index).map(|(_, ms)| ms).sum();
-        let after = spots.partition_point(|spot| spot.travelled <= vertex + BOUND);
+        let after = spots.partition_point(|spot| spot.travelled <= vertex + BOUND_PULSES);
         if spots[tick - 1..=after.min(spots.len() - 1)].iter().any(|spot| spot.is_double) {
             continue;
         }
@@ -362,8 +363,8 @@ fn rests(
         let most = around.iter().map(|motion| motion.acc).fold(braking, f64::max);
         let (came, went) = (vertex - spots[tick - 1].travelled, spots[after.min(spots.len() - 1)].travelled - vertex);
         // A tick that is within rounding of the place of rest counts as there.
-        let within = tick_ms + (8.0 * BOUND / most).sqrt();
-        let room = most * within * within / 2.0 * (1.0 + 1e-6) + 2.0 * BOUND;
+        let within = tick_ms + (8.0 * BOUND_PULSES / most).sqrt();
+        let room = most * within * within / 2.0 * (1.0 + 1e-6) + 2.0 * BOUND_PULSES;
         if came > room || went > room {
             let around = &spots[tick.saturating_sub(3)..(after + 3).min(spots.len())];
             return Err(format!(
@@ -440,8 +441,8 @@ fn edges(
         // Between two ticks the path is off a straight one by its acceleration.
         let most = motions.iter().map(|motion| motion.acc).fold(course.stop_dec, f64::max);
         let speed = (after - before) / tick_ms;
-        let room = most * tick_ms * tick_ms / 4.0 + 6e-6 * speed + 2.0 * BOUND;
-        let stood = |tick: usize| (spots[tick].travelled - vertex).abs() <= 2.0 * BOUND;
+        let room = most * tick_ms * tick_ms / 4.0 + 6e-6 * speed + 2.0 * BOUND_PULSES;
+        let stood = |tick: usize| (spots[tick].travelled - vertex).abs() <= 2.0 * BOUND_PULSES;
         if (travelled - vertex).abs() > room && !(stood(tick) || stood(tick + 1)) {
             return Err(format!(
                 "output {edge:?} changes {} pulses from its vertex, {room} at most",

@@ -12,16 +12,16 @@ pub type Tally = BTreeMap<String, u64>;
 /// servo, profile running.
 const BITS: u32 = 0b0111_1111_0010;
 /// SPEC 11: 2⁻¹⁶ pulse.
-const BOUND: Fix = Fix(1 << 48);
+const BOUND_PULSES: Fix = Fix(1 << 48);
 /// Half a pulse: a step output stands no further from where the axis is to be.
-const HALF: Fix = Fix(1 << 63);
+const HALF_PULSE: Fix = Fix(1 << 63);
 /// Ticks after the last call that are compared.
-const TAIL: usize = 8;
+const TAIL_TICKS: usize = 8;
 /// No program lasts longer.
-const TICKS_MAX: usize = 60_000;
+const MAX_TICKS: usize = 60_000;
 
 fn reference(setup: &Setup, tick_us: u32, begin: &[i64], calls: &[Call]) -> Program {
-    Controller::new(setup, i64::from(tick_us) * 1000, begin).run(calls, TAIL, TICKS_MAX)
+    Controller::new(setup, i64::from(tick_us) * 1000, begin).run(calls, TAIL_TICKS, MAX_TICKS)
 }
 
 /// Beside a program that has run: encoder counts and levels before it are those of the machine.
@@ -35,7 +35,7 @@ fn beside(setup: &Setup, tick_us: u32, reported: &Reported, calls: &[Call]) -> P
         .with_encoders(reported.more.iter().map(|more| more.encoders.clone()).collect())
         .with_outputs(levels)
         .with_sessions(reported.sessions.clone())
-        .run(calls, TAIL, TICKS_MAX)
+        .run(calls, TAIL_TICKS, MAX_TICKS)
 }
 
 fn same(value: &Value, got: Got, peak: f64) -> bool {
@@ -171,7 +171,7 @@ fn compare(program: &Program, reported: &Reported, calls: &[Call]) -> Result<(),
         for (axis, row) in program.rows[tick].iter().enumerate() {
             let (position, status) = reported.rows[tick][axis];
             stands[axis] += step_generator::between(Pos(reported.rows[tick.max(1) - 1][axis].0), Pos(position));
-            if (Fix::whole(stands[axis]) - row.x).abs() > HALF + BOUND + row.slack {
+            if (Fix::whole(stands[axis]) - row.x).abs() > HALF_PULSE + BOUND_PULSES + row.slack {
                 return Err(format!(
                     "at {} ms the step output of axis {axis} stands at {}, further than half a pulse from the reference's {}{}",
                     ms(tick),
@@ -181,7 +181,7 @@ fn compare(program: &Program, reported: &Reported, calls: &[Call]) -> Result<(),
                 ));
             }
             let apart = fixed(position) - row.x;
-            if apart.abs() > BOUND + row.slack {
+            if apart.abs() > BOUND_PULSES + row.slack {
                 return Err(format!(
                     "at {} ms axis {axis} is {} pulses from the reference{}",
                     ms(tick),
@@ -190,7 +190,7 @@ fn compare(program: &Program, reported: &Reported, calls: &[Call]) -> Result<(),
                 ));
             }
             let went = (fixed(position) - fixed(reported.rows[tick.max(1) - 1][axis].0)).abs();
-            if went > row.most + BOUND + BOUND {
+            if went > row.most + BOUND_PULSES + BOUND_PULSES {
                 return Err(format!(
                     "at {} ms axis {axis} jumps by {} pulses in a tick, its data allow {}{}",
                     ms(tick),
@@ -261,7 +261,7 @@ fn edges(what: &str, mine: Vec<(f64, u8, bool)>, theirs: &[(i64, u8, bool)], end
 /// The program with some ms after every call that is refused: a refused entry makes others of its
 /// instant late by a tick (docs/jobs.md). `REFERENCE_TOGETHER=1` leaves them together.
 pub fn apart(setup: &Setup, tick_us: u32, calls: &[Call]) -> Option<Vec<Call>> {
-    Controller::new(setup, i64::from(tick_us) * 1000, &vec![0; setup.axes.len()]).apart(calls, TAIL, TICKS_MAX)
+    Controller::new(setup, i64::from(tick_us) * 1000, &vec![0; setup.axes.len()]).apart(calls, TAIL_TICKS, MAX_TICKS)
 }
 
 /// What differs, if anything.

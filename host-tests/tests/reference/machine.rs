@@ -51,7 +51,7 @@ struct Watched {
 }
 
 /// Ticks that a program may last.
-const ROWS_MAX: usize = 100_000;
+const MAX_ROWS: usize = 100_000;
 
 impl Watched {
     fn advance(&mut self, wait: Duration) {
@@ -93,7 +93,7 @@ impl Link for Watched {
             self.taken = 0;
             self.board.lock().unwrap().take_tx(&mut self.received);
             if self.received.is_empty() {
-                if self.record.lock().unwrap().rows.len() > ROWS_MAX {
+                if self.record.lock().unwrap().rows.len() > MAX_ROWS {
                     return Err(client::Error::new(client::error::NO_ANSWER, "the program goes on for ever"));
                 }
                 self.advance(wait);

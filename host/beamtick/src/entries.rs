@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Bytes of items in one record, at most: two records fit in a frame.
-const MERGED: usize = 32 * size_of::<PtItem>();
+const MERGED_BYTES: usize = 32 * size_of::<PtItem>();
 
 /// Lines of common speeds from which on they are shorter as one command. So many single calls fill
 /// a message of the client.
@@ -186,7 +186,7 @@ impl<'s> Entries<'s> {
     fn enter(&mut self, step: Step) {
         let number = self.number;
         if let Some((key, item)) = datum(&step.action) {
-            if self.run.as_ref().is_some_and(|run| run.items.len() + item.len() > MERGED || run.key != key) {
+            if self.run.as_ref().is_some_and(|run| run.items.len() + item.len() > MERGED_BYTES || run.key != key) {
                 self.finish();
             }
             let open = self.run.get_or_insert_with(|| FifoData { key, items: Vec::new(), steps: Vec::new() });

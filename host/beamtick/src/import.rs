@@ -59,7 +59,7 @@ pub fn is_program(path: &Path) -> bool {
 }
 
 /// Lines of a file that are looked at, to see what it is.
-const LOOKED_AT: usize = 60;
+const SNIFFED_LINES: usize = 60;
 
 /// G-code or a drawing, which no job looks like: what it is, and a sentence that says so.
 pub fn looks_like(bytes: &[u8]) -> Option<(Kind, String)> {
@@ -73,7 +73,7 @@ pub fn looks_like(bytes: &[u8]) -> Option<(Kind, String)> {
         return Some((Kind::Drawing(Format::Dxf), "this is a DXF".to_owned()));
     }
     let named = |block: &str| block.starts_with(['G', 'M', 'N']) && is_block(block);
-    let mut lines = text.lines().take(LOOKED_AT).enumerate().map(|(number, line)| (number, line, bare(line)));
+    let mut lines = text.lines().take(SNIFFED_LINES).enumerate().map(|(number, line)| (number, line, bare(line)));
     // Words of other letters stand in lists of a job, too, but no job begins with them.
     let first = lines.clone().find(|(.., block)| !matches!(block.as_str(), "" | "%"));
     let first = first.filter(|(.., block)| is_block(block));

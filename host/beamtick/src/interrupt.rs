@@ -9,10 +9,10 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// The runner has this long to stop a job; the whole stays below a second (SPEC 10).
-const GRACE: Duration = Duration::from_millis(850);
+const STOP_TIMEOUT: Duration = Duration::from_millis(850);
 
 /// What is said last may take so long to be read.
-pub const LAST_WORDS: Duration = Duration::from_millis(50);
+pub const LAST_MESSAGE_TIMEOUT: Duration = Duration::from_millis(50);
 
 /// What is said where a signal ends the program at once; nothing while it is empty.
 static LAST: Mutex<&str> = Mutex::new("");
@@ -76,7 +76,7 @@ fn arrived(number: u8) {
     CAME.store(number, Ordering::SeqCst);
     let signal = Signal(number);
     if HELD.load(Ordering::SeqCst) {
-        std::thread::sleep(GRACE);
+        std::thread::sleep(STOP_TIMEOUT);
         if HELD.load(Ordering::SeqCst) {
             complain!(
                 "interrupted by {}: the controller did not confirm in time that it stopped. When the link is lost it shuts off lasers, \
@@ -97,7 +97,7 @@ fn arrived(number: u8) {
     if !kept.is_empty() {
         complain!("{}", kept.trim_start());
     }
-    crate::printer::finish(Some(LAST_WORDS));
+    crate::printer::finish(Some(LAST_MESSAGE_TIMEOUT));
     std::process::exit(signal.exit_code().into());
 }
 

@@ -109,7 +109,7 @@ pub fn main() -> ExitCode {
     let code = ended(outcome);
     // Nothing of ours is lit or moving any more: a reader may take its time, unless a signal asks
     // to end.
-    let finish = || printer::finish(interrupt::came().map(|_| interrupt::LAST_WORDS));
+    let finish = || printer::finish(interrupt::came().map(|_| interrupt::LAST_MESSAGE_TIMEOUT));
     finish();
     match printer::failed() {
         Some(error) if done => {

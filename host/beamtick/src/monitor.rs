@@ -31,11 +31,11 @@ use trace::Millimetres;
 /// Where `beamtick serve` listens, if nothing is said.
 const SERVED: &str = "tcp:127.0.0.1:5000";
 /// Time between two reads of the controller.
-const REFRESH: Duration = Duration::from_millis(200);
+const REFRESH_PERIOD: Duration = Duration::from_millis(200);
 /// The same below a progress bar.
-const BELOW: Duration = Duration::from_millis(250);
+const PROGRESS_REFRESH_PERIOD: Duration = Duration::from_millis(250);
 /// Longest wait for a key.
-const KEYS: Duration = Duration::from_millis(50);
+const KEY_TIMEOUT: Duration = Duration::from_millis(50);
 /// What a view that only looks says to other keys.
 const LOOKS: &str = "this view only looks; --command with --machine FILE takes the controller";
 
@@ -123,7 +123,7 @@ fn show(client: &Client, millimetres: &[Millimetres], mut panel: Option<&mut Pan
         if interrupt::came().is_some() {
             break;
         }
-        let key = screen.key(KEYS)?;
+        let key = screen.key(KEY_TIMEOUT)?;
         match (key, panel.as_deref_mut()) {
             (None, _) => {}
             (Some(Key::Quit), _) => break,
@@ -131,7 +131,7 @@ fn show(client: &Client, millimetres: &[Millimetres], mut panel: Option<&mut Pan
             (Some(_), None) => LOOKS.clone_into(&mut note),
             (Some(key), Some(panel)) => note = panel.press(key),
         }
-        if read_at.elapsed() >= REFRESH {
+        if read_at.elapsed() >= REFRESH_PERIOD {
             read_at = Instant::now();
             state = State::read(client, millimetres, None)?;
         }
@@ -159,7 +159,7 @@ impl<'a> Live<'a> {
 
     /// The job has come to here.
     pub fn follow(&mut self, client: &Client, report: &mut Report<'_, '_>, progress: &Progress) -> client::Result<()> {
-        let due = self.shown.is_none_or(|at| at.elapsed() >= BELOW);
+        let due = self.shown.is_none_or(|at| at.elapsed() >= PROGRESS_REFRESH_PERIOD);
         if !due {
             return Ok(());
         }

@@ -12,7 +12,7 @@ use std::sync::{Condvar, LazyLock, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// So long a line waits for those of the other stream that were said before it.
-const TURN: Duration = Duration::from_millis(50);
+const OTHER_STREAM_TIMEOUT: Duration = Duration::from_millis(50);
 /// A terminal whose width is not known.
 const WIDTH_COLUMNS: u16 = 80;
 
@@ -57,8 +57,9 @@ fn writer(stream: Stream) -> Sender<Piece> {
     std::thread::spawn(move || {
         for piece in pieces {
             let behind = |count: &mut Count| count.written[other] < piece.other && !count.stuck[other];
-            let (mut now, late) =
-                WRITTEN.wait_timeout_while(count(), TURN, behind).unwrap_or_else(PoisonError::into_inner);
+            let (mut now, late) = WRITTEN
+                .wait_timeout_while(count(), OTHER_STREAM_TIMEOUT, behind)
+                .unwrap_or_else(PoisonError::into_inner);
             now.stuck[other] |= late.timed_out();
             drop(now);
             // When the reader has gone, or writing fails, the job continues.

@@ -35,16 +35,16 @@ const RANGE: i16 = 7;
 /// The firmware does not know a command.
 const UNKNOWN: i16 = 8;
 /// A trace ends within this time after the program, on the link's clock.
-const TRACE_END: Duration = Duration::from_secs(10);
+const TRACE_END_TIMEOUT: Duration = Duration::from_secs(10);
 /// Of a job that has failed, within this, on this machine's clock.
-const TRACE_CUT_OFF: Duration = Duration::from_millis(400);
+const FAILED_TRACE_END_TIMEOUT: Duration = Duration::from_millis(400);
 /// From this time without a look at the link on, the machine is named where a controller took its
 /// client for lost.
-const HELD_UP: Duration = Duration::from_millis(250);
+const HELD_UP_AFTER: Duration = Duration::from_millis(250);
 /// The end of an aborted motion is awaited no longer than this, on the link's clock.
-const STANDSTILL_WAIT: Duration = Duration::from_secs(60);
+const STANDSTILL_TIMEOUT: Duration = Duration::from_secs(60);
 /// The same after a signal, on this machine's clock.
-const STANDSTILL_WAIT_AFTER_SIGNAL: Duration = Duration::from_millis(300);
+const STANDSTILL_TIMEOUT_AFTER_SIGNAL: Duration = Duration::from_millis(300);
 
 /// A recording that the link's reader writes and the runner closes.
 type Tape = Arc<Mutex<Option<Recording>>>;
@@ -238,7 +238,7 @@ fn drive(
                 ));
             }
             let lost = answer.refusal().and_then(Refusal::reason) == Some(Reason::LinkLost);
-            if lost && client.held_up() >= HELD_UP {
+            if lost && client.held_up() >= HELD_UP_AFTER {
                 text.push_str(&format!("This machine held the program up for {} ms.\n", client.held_up().as_millis()));
             }
             Err(Failure::Job(text))
@@ -355,7 +355,7 @@ fn least_every(rate: u32, row: u32, tick_us: u32) -> u32 {
 /// Waits for the trace's end and closes the files: what was recorded, and which file failed.
 fn close(client: &Client, recording: &Tape) -> client::Result<(Option<Recorded>, Option<Failure>)> {
     let start = client.now();
-    while !is_over(recording) && client.now().saturating_sub(start) < TRACE_END {
+    while !is_over(recording) && client.now().saturating_sub(start) < TRACE_END_TIMEOUT {
         client.sleep(Duration::from_millis(5))?;
     }
     Ok(take(recording).map_or((None, None), Recording::finish))
@@ -365,8 +365,10 @@ fn close(client: &Client, recording: &Tape) -> client::Result<(Option<Recorded>,
 fn cut_off(client: &Client, recording: &Tape) -> Vec<Kept> {
     let began = Instant::now();
     if client.call(Trace::default()).is_ok() {
-        while !is_over(recording) && began.elapsed() < TRACE_CUT_OFF && client.sleep(Duration::from_millis(5)).is_ok() {
-        }
+        while !is_over(recording)
+            && began.elapsed() < FAILED_TRACE_END_TIMEOUT
+            && client.sleep(Duration::from_millis(5)).is_ok()
+        {}
     }
     take(recording).map_or_else(Vec::new, Recording::cut_off)
 }
@@ -463,8 +465,8 @@ fn stop_all(client: &Client, job: &Job) -> client::Result<Stopped> {
     let braking = loop {
         let braking: Vec<Axis> =
             states(client, job)?.into_iter().filter(|(_, item)| runs(item)).map(|(axis, _)| axis).collect();
-        let over = interrupt::came().is_some() && began.elapsed() > STANDSTILL_WAIT_AFTER_SIGNAL;
-        if braking.is_empty() || over || client.now().saturating_sub(start) > STANDSTILL_WAIT {
+        let over = interrupt::came().is_some() && began.elapsed() > STANDSTILL_TIMEOUT_AFTER_SIGNAL;
+        if braking.is_empty() || over || client.now().saturating_sub(start) > STANDSTILL_TIMEOUT {
             break braking;
         }
         client.sleep(Duration::from_millis(5))?;

@@ -20,11 +20,11 @@ use std::time::{Duration, Instant};
 use zerocopy::IntoBytes;
 
 /// Time between two looks at the connections.
-const TURN: Duration = Duration::from_millis(10);
+const POLL_PERIOD: Duration = Duration::from_millis(10);
 /// Reads that are forwarded in a turn.
-const READS: usize = 4;
+const READS_PER_POLL: usize = 4;
 /// Time between two reports of the job.
-const JOB: Duration = Duration::from_millis(200);
+const JOB_REPORT_PERIOD: Duration = Duration::from_millis(200);
 
 /// What is known of the job.
 #[derive(Debug, Clone, Default)]
@@ -92,7 +92,7 @@ fn serve(listener: &TcpListener, client: &Client, known: &Mutex<Known>, stop: &A
         while let Ok((stream, _)) = listener.accept() {
             viewers.add(stream, Box::new(Viewer::new()));
         }
-        viewers.turn(READS, |record, out| {
+        viewers.turn(READS_PER_POLL, |record, out| {
             if record.opcode == opcode::ProgramStatus {
                 return out.push_raw(record.opcode, record.tag, 0, &[locked(known).program.as_bytes()]).into();
             }
@@ -108,13 +108,13 @@ fn serve(listener: &TcpListener, client: &Client, known: &Mutex<Known>, stop: &A
         });
         // One that has just come is told at once.
         let count = viewers.count();
-        if count > std::mem::replace(&mut seen, count) || shown.elapsed() >= JOB {
+        if count > std::mem::replace(&mut seen, count) || shown.elapsed() >= JOB_REPORT_PERIOD {
             shown = Instant::now();
             let job = locked(known).job.clone();
             if let Some((job, name)) = job {
                 viewers.show_job(&job, &name);
             }
         }
-        std::thread::sleep(TURN);
+        std::thread::sleep(POLL_PERIOD);
     }
 }

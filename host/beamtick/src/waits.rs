@@ -23,7 +23,7 @@ use std::time::{Duration, Instant};
 const NAMED_AFTER: Duration = Duration::from_secs(1);
 /// On a board the controller is asked again after this time at the latest; in virtual time after as
 /// long again.
-const SELDOM: Duration = Duration::from_secs(10);
+const LONGEST_POLL_PERIOD: Duration = Duration::from_secs(10);
 /// Code of the error that ends a job whose wait nothing ends; not one of SPEC 3.
 pub const ENDLESS: i16 = i16::MIN + 1;
 /// Axes of an AxisStatus.
@@ -226,7 +226,7 @@ impl<'r, 'a, 's> Watch<'r, 'a, 's> {
             return Ok(());
         }
         // Long waits are ordinary: they cost few looks.
-        looked.due = lasts + if self.knowledge.virtual_time { lasts } else { lasts.min(SELDOM) };
+        looked.due = lasts + if self.knowledge.virtual_time { lasts } else { lasts.min(LONGEST_POLL_PERIOD) };
         let axes = self.axes()?;
         let named = |axis: &&Axis| {
             let bit = 1u32.checked_shl(axis.axis as u32 - 1).unwrap_or(0);

@@ -18,17 +18,17 @@ use std::fs;
 use std::path::Path;
 
 /// Pulses a mm of X and Y; X counts down.
-const STEPS: f64 = 1000.0;
+const PULSES_PER_MM: f64 = 1000.0;
 /// `arc_tolerance` of the machine.
-const TOLERANCE: f64 = 0.002;
+const ARC_TOLERANCE_MM: f64 = 0.002;
 /// Half a pulse in both directions, what 24 bits leave of 300 mm, and a little.
-const SLACK: f64 = 0.0012;
+const SLACK_MM: f64 = 0.0012;
 
 fn machine(layers: &str) -> String {
     let mut text = String::new();
     for (letter, number, invert) in [("x", 2, true), ("y", 1, false), ("z", 5, false)] {
         text += &format!(
-            "[axes.{letter}]\nnumber = {number}\nsteps_per_mm = {STEPS}\ninvert = {invert}\ntravel = [-400, 400]\n\
+            "[axes.{letter}]\nnumber = {number}\nsteps_per_mm = {PULSES_PER_MM}\ninvert = {invert}\ntravel = [-400, 400]\n\
              max_rate = 15000\nacceleration = 5000\n"
         );
     }
@@ -44,7 +44,7 @@ struct Near {
     cells: HashMap<(i64, i64), Vec<usize>>,
 }
 
-const CELL: f64 = 0.2;
+const CELL_MM: f64 = 0.2;
 
 impl Near {
     fn new() -> Near {
@@ -54,14 +54,14 @@ impl Near {
     /// A line shorter than a cell, and a power.
     fn add(&mut self, from: [f64; 2], to: [f64; 2], power: f64) {
         let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
-        let cell = ((middle[0] / CELL).floor() as i64, (middle[1] / CELL).floor() as i64);
+        let cell = ((middle[0] / CELL_MM).floor() as i64, (middle[1] / CELL_MM).floor() as i64);
         self.cells.entry(cell).or_default().push(self.lines.len());
         self.lines.push((from, to, power));
     }
 
     /// The distance of the nearest line of this power.
     fn distance(&self, [x, y]: [f64; 2], power: f64) -> f64 {
-        let (column, row) = ((x / CELL).floor() as i64, (y / CELL).floor() as i64);
+        let (column, row) = ((x / CELL_MM).floor() as i64, (y / CELL_MM).floor() as i64);
         let cells = (-1..=1).flat_map(|a| (-1..=1).map(move |b| (column + a, row + b)));
         let lines = cells.filter_map(|cell| self.cells.get(&cell)).flatten().map(|line| self.lines[*line]);
         let of = |(from, to, _): ([f64; 2], [f64; 2], f64)| {
@@ -74,7 +74,7 @@ impl Near {
 
 /// What differs between the marks of a drawing and a trace.
 fn differs(marks: &[Mark], rows: &[Row]) -> Result<(), String> {
-    let mm = |row: &Row| [row.at[0] / -STEPS, row.at[1] / STEPS];
+    let mm = |row: &Row| [row.at[0] / -PULSES_PER_MM, row.at[1] / PULSES_PER_MM];
     let power = |red: bool| if red { 30.0 } else { 60.0 };
     let mut drawn = Near::new();
     for mark in marks {
@@ -93,7 +93,7 @@ fn differs(marks: &[Mark], rows: &[Row]) -> Result<(), String> {
             }
             run.add(mm(&pair[0]), mm(&pair[1]), pair[0].power);
             let off = drawn.distance(mm(&pair[0]), pair[0].power);
-            if off > TOLERANCE + SLACK {
+            if off > ARC_TOLERANCE_MM + SLACK_MM {
                 return Err(format!(
                     "it is lit with {} % at {:?} mm, {off} mm beside all marks",
                     pair[0].power,
@@ -106,7 +106,7 @@ fn differs(marks: &[Mark], rows: &[Row]) -> Result<(), String> {
         // Ends fall between two rows.
         for point in &mark.points[1..mark.points.len() - 1] {
             let off = run.distance(*point, power(mark.red));
-            if off > TOLERANCE + SLACK + if mark.is_end(*point) { 0.03 } else { 0.0 } {
+            if off > ARC_TOLERANCE_MM + SLACK_MM + if mark.is_end(*point) { 0.03 } else { 0.0 } {
                 return Err(format!("{} at {point:?} is {off} mm beside the light", mark.what));
             }
         }

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 const SIGNALS: [(&str, &str, i32); 3] = [("INT", "SIGINT", 130), ("TERM", "SIGTERM", 143), ("HUP", "SIGHUP", 129)];
 /// Marks and jumps of 2 ms each, for longer than any instant is away.
-const PATH: u32 = 400;
+const PATH_MARKS: u32 = 400;
 /// The path is at its speed by then: it takes 10 ms, and a busy machine is slow.
 const UP_TO_SPEED: Duration = Duration::from_millis(80);
 
@@ -27,7 +27,7 @@ fn signals_at_many_instants_end_dark() {
         GT_SetCrdPrm(1, &crd); GT_SetCrdStopDec(1, 5, 100); GT_CrdClear(1, 0);\n\
         GT_SetAxisMode(7, 1); GT_LaserOutFrq(10, 0); GT_LaserPrfCmd(50, 0);\n"
         .to_owned();
-    for part in 0..PATH {
+    for part in 0..PATH_MARKS {
         let what = if part % 2 == 0 { "On" } else { "Off" };
         text.push_str(&format!("GT_BufLaser{what}(1); GT_LnXY(1, {}, 0, 50, 5, 50);\n", (part + 1) * 100));
     }

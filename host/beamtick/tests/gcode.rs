@@ -23,7 +23,7 @@ const MACHINES: [Axes; 3] = [
 /// Lines of a long program: more than are compiled at a time.
 const LONG_PROGRAM_LINES: u32 = 30_000;
 /// Of all axes, mm/min.
-const RATE: f64 = 30_000.0;
+const RATE_MM_PER_MIN: f64 = 30_000.0;
 
 /// The usual powers of the laser.
 const FULL: &str = "power = [0, 80]\n";
@@ -34,7 +34,7 @@ fn machine(axes: &Axes, family: &str, more: &str) -> String {
         let (letter, invert) = (letter.to_lowercase(), *direction < 0);
         text += &format!(
             "[axes.{letter}]\nnumber = {}\nsteps_per_mm = {steps}\ninvert = {invert}\ntravel = [-9000, 9000]\n\
-             max_rate = {RATE}\nacceleration = 4000\nhome = {home}\n",
+             max_rate = {RATE_MM_PER_MIN}\nacceleration = 4000\nhome = {home}\n",
             [2, 1, 5][place]
         );
     }
@@ -79,7 +79,7 @@ fn differs(model: &Model, rows: &[Row]) -> Result<(), String> {
         }
     }
     // In a tick an axis goes no farther than this, in pulses; what is rounded comes to it.
-    let far = steps.map(|steps| RATE / 60_000.0 * 0.25 * steps.abs() * 2.0 + 2.0);
+    let far = steps.map(|steps| RATE_MM_PER_MIN / 60_000.0 * 0.25 * steps.abs() * 2.0 + 2.0);
     let expected = changes(model);
     let mut found = rows.windows(2).filter(|pair| pair[0].lit != pair[1].lit);
     for (point, lit) in &expected {

@@ -24,7 +24,7 @@ const MACHINES: [Axes; 3] = [
     [("80.5", 1, "0"), ("126.666666667", -1, "7"), ("200", 1, "-1")],
 ];
 /// Bytes that a sender may have unanswered.
-const COUNTED: usize = 128;
+const UNANSWERED_BYTES: usize = 128;
 
 fn machine(axes: &Axes, family: &str) -> String {
     let mut text = format!("family = \"{family}\"\n");
@@ -51,7 +51,7 @@ fn stream(sender: &mut common::Sender, lines: &[String]) {
     };
     for line in lines {
         let line = format!("{line}\n");
-        while bytes + line.len() > COUNTED && !waiting.is_empty() {
+        while bytes + line.len() > UNANSWERED_BYTES && !waiting.is_empty() {
             take(sender, &mut waiting, &mut bytes);
         }
         sender.send(&line);

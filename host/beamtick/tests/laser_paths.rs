@@ -14,7 +14,7 @@ use std::fs;
 use std::path::Path;
 
 /// The length of the second line.
-const BACK: f64 = 100_498.756_211_208_9;
+const BACK_PULSES: f64 = 100_498.756_211_208_9;
 const MS: u64 = 1_000_000;
 /// When the path of an example starts, in ms and in ns.
 const START_MS: f64 = 1.25;
@@ -145,13 +145,13 @@ fn path(t: f64) -> (f64, [f64; 2]) {
     if t <= 2025.0 {
         return (speed(100_000.0, t), [way(100_000.0, t), 0.0]);
     }
-    let part = way(BACK, t - 2025.0) / BACK;
-    (speed(BACK, t - 2025.0), [100_000.0 * (1.0 - part), 10_000.0 * part])
+    let part = way(BACK_PULSES, t - 2025.0) / BACK_PULSES;
+    (speed(BACK_PULSES, t - 2025.0), [100_000.0 * (1.0 - part), 10_000.0 * part])
 }
 
 /// Way of the listings' path.
 fn along(t: f64) -> f64 {
-    if t <= 2025.0 { way(100_000.0, t) } else { 100_000.0 + way(BACK, t - 2025.0) }
+    if t <= 2025.0 { way(100_000.0, t) } else { 100_000.0 + way(BACK_PULSES, t - 2025.0) }
 }
 
 /// A power is in force for the interval that begins with the tick, and follows the mean speed in
@@ -163,7 +163,7 @@ fn followed(t: f64) -> f64 {
 /// Rows while the path of a listing runs, t ms after its start: all but the ones around the corner
 /// and the ends.
 fn rows(ran: &Ran, name: &str) -> Vec<(f64, f64)> {
-    let ends = [0.0, 2025.0, 2025.0 + BACK / 50.0 + 25.0];
+    let ends = [0.0, 2025.0, 2025.0 + BACK_PULSES / 50.0 + 25.0];
     let all = ran.column(name).into_iter().map(|(t, value)| (t - START_MS, value));
     let clear = |t: f64| t > 0.0 && t < ends[2] && ends.iter().all(|end| (t - end).abs() > 0.3);
     let rows: Vec<_> = all.filter(|(t, _)| clear(*t)).collect();

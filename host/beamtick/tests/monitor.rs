@@ -16,7 +16,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-const PATIENCE: Duration = Duration::from_secs(60);
+const WAIT_MAX: Duration = Duration::from_secs(60);
 
 /// Output, errors, exit code.
 fn beamtick(arguments: &[&str]) -> (String, String, i32) {
@@ -144,7 +144,7 @@ fn others_look_over_the_link_of_a_job_and_disturb_nothing() {
             if lit && !state["job"].is_null() {
                 break state;
             }
-            assert!(began.elapsed() < PATIENCE, "{state}");
+            assert!(began.elapsed() < WAIT_MAX, "{state}");
         };
         let job = &state["job"];
         assert!(job["name"].as_str().unwrap().ends_with("square.nc"), "{job}");
@@ -196,7 +196,7 @@ fn a_terminal_that_is_stuck_or_goes_away_leaves_no_light() {
             if (state.light != 0) == light {
                 return state.fault.get();
             }
-            assert!(began.elapsed() < PATIENCE, "light is {}", state.light);
+            assert!(began.elapsed() < WAIT_MAX, "light is {}", state.light);
             each();
             std::thread::sleep(Duration::from_millis(5));
         }

@@ -11,7 +11,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// More lines than a pipe of 64 KiB takes.
-const READS: usize = 2500;
+const READ_LINES: usize = 2500;
 
 impl Served {
     /// A job of light that lasts for so many ms, and reads or complains in each.
@@ -50,15 +50,15 @@ fn light_ms(text: &str) -> f64 {
 #[test]
 fn a_reader_that_pauses_does_not_hold_the_job_up() {
     let (served, folder) = (Served::start(&[]), tempfile::tempdir().unwrap());
-    let mut child = served.run(folder.path(), "rtn = GT_GetHSIOOpt(&on, 0);", READS);
+    let mut child = served.run(folder.path(), "rtn = GT_GetHSIOOpt(&on, 0);", READ_LINES);
     // Nobody reads for twice as long as the light shall last.
-    std::thread::sleep(Duration::from_millis(2 * READS as u64 + 2000));
+    std::thread::sleep(Duration::from_millis(2 * READ_LINES as u64 + 2000));
     let mut text = String::new();
     child.stdout.take().unwrap().read_to_string(&mut text).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(0));
-    assert_eq!(text.lines().filter(|line| line.contains("GT_GetHSIOOpt")).count(), READS, "no line is lost");
+    assert_eq!(text.lines().filter(|line| line.contains("GT_GetHSIOOpt")).count(), READ_LINES, "no line is lost");
     let light = light_ms(&text);
-    assert!(light < READS as f64 + 1500.0, "{light} ms of light where {READS} were asked for");
+    assert!(light < READ_LINES as f64 + 1500.0, "{light} ms of light where {READ_LINES} were asked for");
 }
 
 /// A signal in light, with both streams full of what nobody reads.

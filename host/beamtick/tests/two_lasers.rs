@@ -6,16 +6,16 @@ use std::fs;
 use std::path::Path;
 
 /// Pulses a mm of X and Y.
-const STEPS: f64 = 1000.0;
+const PULSES_PER_MM: f64 = 1000.0;
 /// An arc's tolerance, a pulse, and a little, mm.
-const NEAR: f64 = 0.004;
+const NEAR_MM: f64 = 0.004;
 /// mm in the row at an end.
-const ROW: f64 = 0.03;
+const ROW_MM: f64 = 0.03;
 
 fn axes() -> String {
     let axis = |(letter, number): (&str, u8)| {
         format!(
-            "[axes.{letter}]\nnumber = {number}\nsteps_per_mm = {STEPS}\ntravel = [-10, 200]\nmax_rate = 15000\n\
+            "[axes.{letter}]\nnumber = {number}\nsteps_per_mm = {PULSES_PER_MM}\ntravel = [-10, 200]\nmax_rate = 15000\n\
              acceleration = 5000\nhome = 0\n"
         )
     };
@@ -52,7 +52,7 @@ fn rows(file: &Path) -> Vec<TwoLasers> {
     let (gates, powers) = (["laser0_gate", "laser1_gate"].map(column), ["laser0_power", "laser1_power"].map(column));
     let row = |line: &str| {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        let at = [cells[x] / STEPS, cells[y] / STEPS, 0.0];
+        let at = [cells[x] / PULSES_PER_MM, cells[y] / PULSES_PER_MM, 0.0];
         TwoLasers { at, gates: gates.map(|at| cells[at] > 0.5), powers: powers.map(|at| cells[at]) }
     };
     lines.map(row).collect()
@@ -78,7 +78,7 @@ fn judged(rows: &[TwoLasers], channel: usize, marks: &[Vec<[[f64; 3]; 2]>], powe
     for pair in rows.windows(2) {
         begun += usize::from(!pair[0].gates[channel] && pair[1].gates[channel]);
         if pair[0].gates[channel] && pair[1].gates[channel] {
-            assert!(beside(pair[0].at) < NEAR, "laser {channel} at {:?}", pair[0].at);
+            assert!(beside(pair[0].at) < NEAR_MM, "laser {channel} at {:?}", pair[0].at);
             assert_eq!(pair[0].powers[channel], power, "laser {channel}");
             length += size([pair[0].at, pair[1].at]);
         } else if !pair[0].gates[channel] {
@@ -87,7 +87,7 @@ fn judged(rows: &[TwoLasers], channel: usize, marks: &[Vec<[[f64; 3]; 2]>], powe
         assert!(!(pair[0].gates[0] && pair[0].gates[1]), "both are lit at {:?}", pair[0].at);
     }
     let expected: f64 = all.iter().map(|line| size(*line)).sum::<f64>() * passes;
-    assert!((length - expected).abs() < 2.0 * ROW * begun as f64, "laser {channel}: {length} mm for {expected} mm");
+    assert!((length - expected).abs() < 2.0 * ROW_MM * begun as f64, "laser {channel}: {length} mm for {expected} mm");
     begun
 }
 

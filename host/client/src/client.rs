@@ -17,12 +17,12 @@ use std::time::Duration;
 use zerocopy::little_endian::I16;
 
 /// Longest time that one pump holds the link, so that other threads get their turn.
-const TURN: Duration = Duration::from_millis(2);
+const PUMP_MAX: Duration = Duration::from_millis(2);
 /// The same in virtual time, where no other process waits and a receive returns with the first
 /// byte.
-const VIRTUAL_TURN: Duration = Duration::from_millis(50);
+const VIRTUAL_PUMP_MAX: Duration = Duration::from_millis(50);
 /// Longest time without a pump while no call is under way.
-const IDLE: Duration = Duration::from_millis(50);
+const IDLE_PUMP_PERIOD: Duration = Duration::from_millis(50);
 /// The most that one receive without bytes counts as silence. If it takes longer, the machine
 /// delayed the client, and perhaps the controller that it emulates: the answer may still be unread
 /// or in transfer.
@@ -32,7 +32,7 @@ const SILENCE_MAX: Duration = Duration::from_millis(50);
 const ABORT: Abort = Abort { core: I16::new(1) };
 /// Dropping a client waits for the answer to its Abort for no longer than this, times the link's
 /// patience.
-const ABORTED: Duration = Duration::from_millis(400);
+const ABORT_TIMEOUT: Duration = Duration::from_millis(400);
 
 /// Where the trace stream's bytes go.
 type TraceSink = Box<dyn FnMut(&[u8]) + Send>;
@@ -63,7 +63,7 @@ impl Inner {
         // later client is another one, even if the one before it ended without a message.
         let chance = || RandomState::new().hash_one(std::process::id()) as u32;
         let nonce = if link.real_time() { chance() } else { (now as u32).wrapping_add(1) };
-        let turn = if link.real_time() { TURN } else { VIRTUAL_TURN };
+        let turn = if link.real_time() { PUMP_MAX } else { VIRTUAL_PUMP_MAX };
         let session = Session::open(&name, now, nonce, identity, read_only);
         Inner {
             turn,
@@ -414,7 +414,7 @@ impl Drop for Client {
         if inner.session.commanded()
             && let Ok(tag) = inner.session.post(Lane::Immediate, &Call::of(ABORT))
         {
-            let end = inner.listened + ABORTED * inner.link.patience();
+            let end = inner.listened + ABORT_TIMEOUT * inner.link.patience();
             let turn = inner.turn;
             while inner.session.take(tag).is_none() && inner.listened < end && inner.pump(turn).is_ok() {}
         }
@@ -428,13 +428,13 @@ impl Drop for Client {
 /// Pumps the link between calls.
 fn keep_alive(shared: &Shared) {
     let mut stop = shared.stop.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut idle = IDLE;
+    let mut idle = IDLE_PUMP_PERIOD;
     while !*stop {
         drop(stop);
         if let Ok(mut inner) = shared.inner.try_lock() {
             // The next call reports a failure.
             let _ = inner.pump(Duration::from_micros(100));
-            idle = IDLE.min(Duration::from_nanos(inner.session.silence() / 2));
+            idle = IDLE_PUMP_PERIOD.min(Duration::from_nanos(inner.session.silence() / 2));
         }
         stop = shared.stop.lock().unwrap_or_else(PoisonError::into_inner);
         stop = shared.wake.wait_timeout_while(stop, idle, |s| !*s).unwrap_or_else(PoisonError::into_inner).0;

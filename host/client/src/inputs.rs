@@ -16,11 +16,11 @@ use std::path::Path;
 /// The columns.
 const COLUMNS: [&str; 3] = ["t_ms", "input", "level"];
 /// Rows of a file.
-const ROWS: usize = u16::MAX as usize;
+const MAX_ROWS: usize = u16::MAX as usize;
 /// The latest time, ms: a year.
 const LATEST_MS: f64 = 365.0 * 86_400_000.0;
 /// Rows that are sent together.
-const TOGETHER: usize = 256;
+const BATCH_ROWS: usize = 256;
 /// Names of inputs: the text before the number, the type of SimInput, the highest number that any
 /// board has.
 const NAMES: [(&str, i16, i16); 7] = [
@@ -33,7 +33,7 @@ const NAMES: [(&str, i16, i16); 7] = [
     ("adc", io::ADC, 8),
 ];
 /// Characters of a file that a message quotes at most.
-const QUOTED: usize = 40;
+const QUOTED_CHARACTERS: usize = 40;
 
 /// From when the rows count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,7 +101,7 @@ fn unknown(text: &str) -> String {
 }
 
 fn quoted(text: &str) -> String {
-    text.chars().take(QUOTED).collect()
+    text.chars().take(QUOTED_CHARACTERS).collect()
 }
 
 /// A row.
@@ -191,8 +191,8 @@ impl Inputs {
                 (Ok(_), _) => return wrong("level", &format!("{}; it is 0 (low) or 1 (high)", quoted(level))),
                 (Err(_), _) => return wrong("level", &format!("`{}` is no number", quoted(level))),
             };
-            if rows.len() == ROWS {
-                return wrong("t_ms", &format!("the file has more than {ROWS} rows"));
+            if rows.len() == MAX_ROWS {
+                return wrong("t_ms", &format!("the file has more than {MAX_ROWS} rows"));
             }
             rows.push(Row { line, at_ns, input, value });
         }
@@ -229,7 +229,7 @@ impl Inputs {
                 })
             })
             .collect();
-        for (rows, calls) in self.rows.chunks(TOGETHER).zip(calls.chunks(TOGETHER)) {
+        for (rows, calls) in self.rows.chunks(BATCH_ROWS).zip(calls.chunks(BATCH_ROWS)) {
             for (row, reply) in rows.iter().zip(client.call_all(calls)?) {
                 reply.map_err(|error| self.of_line(row, error))?;
             }
@@ -347,7 +347,7 @@ mod tests {
     #[test]
     fn more_rows_than_a_plan_has_are_refused() {
         let text = |rows: usize| format!("t_ms,input,level\n{}", "1,gpi1,1\n".repeat(rows));
-        assert_eq!(Inputs::read("f.csv", text(ROWS).as_bytes()).unwrap().rows().len(), 65535);
-        assert_eq!(error(&text(ROWS + 1)), "f.csv:65537: t_ms: the file has more than 65535 rows");
+        assert_eq!(Inputs::read("f.csv", text(MAX_ROWS).as_bytes()).unwrap().rows().len(), 65535);
+        assert_eq!(error(&text(MAX_ROWS + 1)), "f.csv:65537: t_ms: the file has more than 65535 rows");
     }
 }

@@ -9,7 +9,7 @@ use protocol::command::{
     BufLaserFollowMode, BufLaserFollowRatio, BufLaserFollowTable, BufLaserPrfCmd, BufLaserPrfFollow, CrdTaken,
     LaserBounds, LaserValue, PathHeld, PathMany, Request, class, opcode,
 };
-use protocol::path_many::{FIXED, HEAD, HELD_AT_ONCE, JOINED_MAX, head, target};
+use protocol::path_many::{FIXED_BYTES, HEAD_BYTES, HELD_AT_ONCE, JOINED_MAX, head, target};
 use protocol::reason::{Code, Reason, Refusal};
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -40,7 +40,7 @@ impl Group {
     pub fn of(call: &Call) -> Option<Group> {
         let joins = !call.may_fail && class(call.opcode).is_some_and(|class| class.kind.joins());
         let target = target((call.opcode, &call.payload)).filter(|_| joins)?;
-        Some(Group { target, count: 0, held: usize::MAX, payload: vec![0; FIXED] })
+        Some(Group { target, count: 0, held: usize::MAX, payload: vec![0; FIXED_BYTES] })
     }
 
     /// The same for the immediate lane, which never asks for a part of it again.
@@ -54,7 +54,7 @@ impl Group {
         if call.may_fail || target(joined) != Some(self.target) {
             return Offer::Other;
         }
-        if self.payload.len() + HEAD + call.payload.len() > most.min(FIXED + JOINED_MAX) {
+        if self.payload.len() + HEAD_BYTES + call.payload.len() > most.min(FIXED_BYTES + JOINED_MAX) {
             return Offer::Full;
         }
         if reports(call.opcode) {
@@ -79,7 +79,7 @@ impl Group {
         let Group { target, count, mut payload, .. } = self;
         let [core, crd, fifo] = target.map(Into::into);
         let fixed = PathMany { core, crd, fifo, count: count.into() };
-        payload[..FIXED].copy_from_slice(fixed.as_bytes());
+        payload[..FIXED_BYTES].copy_from_slice(fixed.as_bytes());
         Call { opcode: PathMany::OPCODE, payload, may_fail: false }
     }
 }
@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(group.offer(&line(2), 8 + 4 + 38 + 4 + 16 + 4 + 38), Offer::Taken);
         while group.offer(&line(3), usize::MAX) == Offer::Taken {}
         let (count, call) = (group.count(), group.call());
-        assert!(call.payload.len() <= FIXED + JOINED_MAX && call.payload.len() > FIXED + JOINED_MAX - 42);
+        assert!(call.payload.len() <= FIXED_BYTES + JOINED_MAX && call.payload.len() > FIXED_BYTES + JOINED_MAX - 42);
         let (head, bytes) = PathMany::read_from_prefix(&call.payload).unwrap();
         assert_eq!((usize::from(head.count.get()), { head.crd }.get()), (count, 1));
         let mut powers = Group::at_once(&power(1.0)).unwrap();

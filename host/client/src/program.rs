@@ -14,7 +14,7 @@ use protocol::command::{
     CommandKind, DataStore, ProgramClear, ProgramEnd, ProgramReply, ProgramStart, ProgramStatus, PtTaken, Request,
     class, opcode,
 };
-use protocol::path_many::{FIXED, JOINED_MAX};
+use protocol::path_many::{FIXED_BYTES, JOINED_MAX};
 use protocol::reason::{Reason, Refusal};
 use protocol::record::Lane;
 use protocol::values::{program as state, reported};
@@ -184,11 +184,11 @@ const STUCK_LOOKS: u32 = 3;
 /// Time between two calls of [`Observer::progress`].
 const PROGRESS_NS: u64 = 100_000_000;
 /// What an entry takes of the queue's free bytes beyond its body, at most.
-const ENTRY_OVERHEAD: u32 = 8;
+const ENTRY_OVERHEAD_BYTES: u32 = 8;
 /// Entries that are sent and not answered, at most.
-const IN_FLIGHT: usize = 16_384;
+const IN_FLIGHT_ENTRIES: usize = 16_384;
 /// Calls that wait to be put into a message, at most: about a full window.
-const BACKLOG: usize = 1024;
+const BACKLOG_CALLS: usize = 1024;
 
 /// An entry in transfer, or several that travel as one.
 struct Sent {
@@ -327,7 +327,7 @@ impl Run<'_> {
     /// What travels next: the entry in front alone, or with those after it in one call. None where
     /// there is none, or no room for it.
     fn unit(&mut self) -> Option<(Call, usize)> {
-        let room = self.room.saturating_sub(ENTRY_OVERHEAD) as usize;
+        let room = self.room.saturating_sub(ENTRY_OVERHEAD_BYTES) as usize;
         let front = self.next(0).map(|(_, call)| call.clone())?;
         self.blocked = front.payload.len() > room;
         if self.blocked {
@@ -345,7 +345,7 @@ impl Run<'_> {
         let count = group.count();
         // A running program takes a command in a tick: a part of a message would cost as much as
         // all of it.
-        self.blocked = self.started && offered == Offer::Full && room < FIXED + JOINED_MAX;
+        self.blocked = self.started && offered == Offer::Full && room < FIXED_BYTES + JOINED_MAX;
         if self.blocked {
             return None;
         }
@@ -356,8 +356,8 @@ impl Run<'_> {
     fn fill(&mut self, inner: &mut Inner) -> Result<()> {
         while self.failed.is_none()
             && !self.going_back
-            && self.flight.len() < IN_FLIGHT
-            && inner.session.backlog() < BACKLOG
+            && self.flight.len() < IN_FLIGHT_ENTRIES
+            && inner.session.backlog() < BACKLOG_CALLS
         {
             let Some((call, count)) = self.unit() else { break };
             let Some(index) = self.ahead.front().map(|(index, _)| *index) else { break };
@@ -522,7 +522,7 @@ impl Run<'_> {
 
 /// Bytes of the controller's queue that a call takes, at most.
 fn cost(call: &Call) -> u32 {
-    call.payload.len() as u32 + ENTRY_OVERHEAD
+    call.payload.len() as u32 + ENTRY_OVERHEAD_BYTES
 }
 
 /// The little-endian `i16` at `at`.

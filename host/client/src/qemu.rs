@@ -80,10 +80,10 @@ pub fn image(given: Option<PathBuf>) -> Result<PathBuf> {
 const TIME_OUT_FACTOR: u32 = 5;
 
 /// More trace than this is not held: the reader waits, and with it the emulated UART.
-const TRACE_HELD: usize = 8 << 20;
+const TRACE_HELD_BYTES: usize = 8 << 20;
 
 /// How long trace bytes gather before they are read.
-const GATHER: Duration = Duration::from_millis(1);
+const GATHER_TIME: Duration = Duration::from_millis(1);
 
 /// A running QEMU as a link.
 pub struct QemuLink {
@@ -250,12 +250,12 @@ fn collect(mut stream: TcpStream, inbox: &Weak<Mutex<Vec<u8>>>) {
     while let Ok(n @ 1..) = stream.read(&mut buf) {
         // QEMU sends byte by byte: who reads at once is woken for each of them.
         if n < buf.len() {
-            std::thread::sleep(GATHER);
+            std::thread::sleep(GATHER_TIME);
         }
         loop {
             let Some(inbox) = inbox.upgrade() else { return };
             let mut bytes = inbox.lock().unwrap_or_else(PoisonError::into_inner);
-            if bytes.len() < TRACE_HELD {
+            if bytes.len() < TRACE_HELD_BYTES {
                 bytes.extend_from_slice(&buf[..n]);
                 break;
             }

@@ -59,7 +59,7 @@ fn what_there_is() -> String {
     let (usb, others): (Vec<_>, Vec<_>) =
         ports.into_iter().partition(|port| matches!(port.port_type, SerialPortType::UsbPort(_)));
     let found = if usb.is_empty() { others } else { usb };
-    let names: Vec<String> = found.into_iter().take(SHOWN).map(|port| port.port_name).collect();
+    let names: Vec<String> = found.into_iter().take(NAMED_PORTS).map(|port| port.port_name).collect();
     match names.is_empty() {
         true => "; this computer has no serial port now: is the board plugged in?".to_owned(),
         false => format!("; ports of this computer: {}", names.join(", ")),
@@ -71,10 +71,10 @@ const PRODUCT: &str = "Beamtick";
 const IDENTITY: (u16, u16) = (0x1209, 0x0001);
 
 /// Ports that a message names at most.
-const SHOWN: usize = 8;
+const NAMED_PORTS: usize = 8;
 
 /// How long a port may take to accept what is sent: a full window at 9600 baud.
-const SEND: Duration = Duration::from_secs(10);
+const SEND_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Path and rate of `PATH[:BAUD]`, or what is wrong with the rate. A path of Linux may hold a colon
 /// itself. So what follows the last one is part of the path where it is no number and no port has
@@ -126,7 +126,7 @@ impl Link for SerialLink {
             Error::new(error::LINK_SEND, format!("{name}: sending failed: {e}"))
         };
         // The time-out of the last receive may be shorter than a slow port takes for a full window.
-        self.port.set_timeout(SEND).map_err(|e| failed(&e, &self.name))?;
+        self.port.set_timeout(SEND_TIMEOUT).map_err(|e| failed(&e, &self.name))?;
         self.port.write_all(bytes).map_err(|e| failed(&e, &self.name))
     }
 

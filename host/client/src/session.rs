@@ -14,9 +14,9 @@ use std::collections::{HashMap, VecDeque};
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Unanswered messages at once.
-const WINDOW: usize = 32;
+const WINDOW_MESSAGES: usize = 32;
 /// Most calls that wait for a reply: tags have 16 bits, and none may be used twice at a time.
-pub(crate) const MAX_WAITING: usize = 32_768;
+pub(crate) const MAX_WAITING_CALLS: usize = 32_768;
 
 /// The reply to one call.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,7 +37,7 @@ struct Outgoing {
 
 /// See the module text.
 pub(crate) struct Session {
-    endpoint: Box<Endpoint<WINDOW>>,
+    endpoint: Box<Endpoint<WINDOW_MESSAGES>>,
     name: String,
     ours: Identity,
     outbox: VecDeque<Outgoing>,
@@ -156,7 +156,7 @@ impl Session {
             let refusal = Refusal::new(Reason::ReadOnly);
             return Err(crate::call::refused(call.opcode, Code::State as i16, refusal.as_bytes()));
         }
-        if self.waiting.len() >= MAX_WAITING {
+        if self.waiting.len() >= MAX_WAITING_CALLS {
             return Err(Error::new(1, "too many calls wait for their replies"));
         }
         while self.waiting.contains_key(&self.next_tag) {

@@ -6,7 +6,7 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
 /// How long a connection may take.
-const CONNECT: Duration = Duration::from_secs(3);
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// A TCP connection as a link.
 pub struct TcpLink {
@@ -22,7 +22,7 @@ impl TcpLink {
         let name = format!("tcp:{address}");
         let mut cause = String::from("the name has no address");
         for candidate in address.to_socket_addrs().map_err(|e| Error::cannot_open(&name, e))? {
-            match TcpStream::connect_timeout(&candidate, CONNECT) {
+            match TcpStream::connect_timeout(&candidate, CONNECT_TIMEOUT) {
                 Ok(stream) => return Self::over(stream, name),
                 Err(e) if e.kind() == ErrorKind::ConnectionRefused => {
                     cause = format!(

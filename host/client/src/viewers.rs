@@ -3,9 +3,9 @@
 //! In: connections, and a function that answers a read. Out: answers. Owns the connections and a
 //! [`Viewer`] each. A viewer reaches nothing but that function: whatever is no read is refused
 //! before it.
-//! Budget: [`VIEWERS`] sessions, so many reads in a turn as the owner says, [`PORTION`] bytes of
-//! each connection, and [`WAITING`] bytes that wait for one that does not read.
-//! Fails: never; a connection that breaks, falls silent or opens no session is closed.
+//! Budget: [`VIEWERS`] sessions, so many reads in a turn as the owner says, [`PORTION_BYTES`] bytes
+//! of each connection, and [`WAITING_BYTES`] bytes that wait for one that does not read. Fails:
+//! never; a connection that breaks, falls silent or opens no session is closed.
 use protocol::Ns;
 use protocol::record::{JobState, ReplyWriter, RequestRecord};
 use protocol::viewer::{Answered, Viewer};
@@ -18,13 +18,13 @@ pub const VIEWERS: usize = 8;
 /// Connections at once, with those that are turned away.
 const CONNECTIONS: usize = 2 * VIEWERS;
 /// A connection that has not opened a session within this time is closed.
-const OPENING: Duration = Duration::from_secs(2);
+const OPENING_TIMEOUT: Duration = Duration::from_secs(2);
 /// So is one whose session is silent for so long.
 const SILENT_NS: Ns = 2_000_000_000;
 /// Bytes that one turn takes from a connection.
-const PORTION: usize = 1024;
+const PORTION_BYTES: usize = 1024;
 /// Bytes of answers that wait for a connection at most.
-const WAITING: usize = 16 << 10;
+const WAITING_BYTES: usize = 16 << 10;
 
 /// See the module text.
 pub struct Viewers {
@@ -114,7 +114,7 @@ impl Seat {
         held: &mut usize,
         reply: &mut impl FnMut(&RequestRecord<'_>, &mut ReplyWriter<'_>) -> Answered,
     ) -> bool {
-        let mut bytes = [0; PORTION];
+        let mut bytes = [0; PORTION_BYTES];
         match self.stream.read(&mut bytes) {
             Ok(0) => return false,
             Ok(count) => self.viewer.feed(now, bytes.get(..count).unwrap_or_default()),
@@ -140,14 +140,14 @@ impl Seat {
         self.viewer.answer(reply);
         let lives = match self.open {
             true => self.viewer.silence(now).is_some_and(|silence| silence < SILENT_NS),
-            false => self.since.elapsed() < OPENING,
+            false => self.since.elapsed() < OPENING_TIMEOUT,
         };
         lives && self.send(now)
     }
 
     fn send(&mut self, now: Ns) -> bool {
         let mut bytes = [0; 2048];
-        while self.waiting.len() < WAITING {
+        while self.waiting.len() < WAITING_BYTES {
             match self.viewer.take_tx(now, &mut bytes) {
                 0 => break,
                 count => self.waiting.extend_from_slice(bytes.get(..count).unwrap_or_default()),

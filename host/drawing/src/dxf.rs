@@ -16,9 +16,9 @@ use pairs::{Group, Groups};
 use std::collections::{BTreeMap, HashMap};
 
 /// Most shapes: blocks may make many of few lines.
-const SHAPES: usize = 1_000_000;
+const MAX_SHAPES: usize = 1_000_000;
 /// Blocks in blocks, at most.
-const DEPTH: usize = 16;
+const MAX_BLOCK_DEPTH: usize = 16;
 
 /// A layer of the drawing.
 #[derive(Debug, Clone)]
@@ -213,14 +213,17 @@ impl<'a> Drawing<'a> {
                     entity::Found::Point => self.pass("points are not marked"),
                     entity::Found::Nothing => {}
                 }
-                if shapes.len() > SHAPES {
-                    return Err(Fault::at(entity.line, format!("blocks make more than {SHAPES} shapes of it")));
+                if shapes.len() > MAX_SHAPES {
+                    return Err(Fault::at(entity.line, format!("blocks make more than {MAX_SHAPES} shapes of it")));
                 }
                 continue;
             }
             let name = entity.text(2).unwrap_or("");
-            if depth == DEPTH {
-                return Err(Fault::at(entity.line, format!("blocks are in one another more than {DEPTH} deep")));
+            if depth == MAX_BLOCK_DEPTH {
+                return Err(Fault::at(
+                    entity.line,
+                    format!("blocks are in one another more than {MAX_BLOCK_DEPTH} deep"),
+                ));
             }
             // Of two names that differ in case, the one that is written so.
             let key = match self.block_names.get(&caseless(name).collect::<String>()) {

@@ -11,12 +11,12 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// A closed shape may begin at this many of its joints.
-const STARTS: usize = 64;
+const MAX_STARTS: usize = 64;
 /// Points of the outline that tell what is inside.
-const OUTLINE: usize = 2048;
+const OUTLINE_POINTS: usize = 2048;
 /// Comparisons of two shapes, for each of them, and for all.
-const EFFORT: usize = 400;
-const EFFORT_ALL: usize = 60_000_000;
+const SHAPE_COMPARISONS: usize = 400;
+const ALL_COMPARISONS: usize = 60_000_000;
 
 /// Where a shape may begin: its number, and the joint (of an open one 0 or its end).
 type Begin = GeomWithData<Point, (usize, usize)>;
@@ -67,7 +67,7 @@ fn begins(number: usize, shape: &Shape) -> Vec<Begin> {
     if joints.iter().any(|(joint, _)| !is_on_arc(shape, *joint)) {
         joints.retain(|(joint, _)| !is_on_arc(shape, *joint));
     }
-    let every = joints.len().div_ceil(STARTS);
+    let every = joints.len().div_ceil(MAX_STARTS);
     joints.into_iter().step_by(every.max(1)).map(|(joint, point)| Begin::new(point, (number, joint))).collect()
 }
 
@@ -98,7 +98,7 @@ fn around(shapes: &[Shape]) -> Vec<Option<usize>> {
     by_size.sort_by(|a, b| area(*a).total_cmp(&area(*b)).then(a.cmp(b)));
     let mut rank = vec![0; shapes.len()];
     by_size.iter().enumerate().for_each(|(place, number)| rank[*number] = place);
-    let mut effort = shapes.len() * EFFORT + EFFORT_ALL;
+    let mut effort = shapes.len() * SHAPE_COMPARISONS + ALL_COMPARISONS;
     let mut found = vec![None; shapes.len()];
     for number in 0..shapes.len() {
         let point = outlines[number][0];
@@ -144,7 +144,7 @@ fn outline(shape: &Shape) -> Vec<Point> {
         at = piece.end();
         points.push(at);
     }
-    let every = points.len().div_ceil(OUTLINE);
+    let every = points.len().div_ceil(OUTLINE_POINTS);
     points.into_iter().step_by(every).collect()
 }
 

@@ -6,7 +6,7 @@
 use crate::order::order;
 use crate::shape::{Piece, Point, Run, Shape, add};
 use crate::{Options, layers};
-use machine::{Layer, Machine, Shine};
+use machine::{Layer, LightMode, Machine};
 use strokes::exact::{ONE, Scale, of_f64};
 use strokes::{Light, Stroke, Writer};
 
@@ -51,8 +51,8 @@ pub fn plan(
         let shapes = order(shapes, &mut at);
         let light = match layer.light {
             _ if layer.power == 0.0 => Light::Dark,
-            Shine::Follow => Light::Follow(layer.power),
-            Shine::Constant => Light::Constant(layer.power),
+            LightMode::Follow => Light::Follow(layer.power),
+            LightMode::Constant => Light::Constant(layer.power),
         };
         for _ in 0..layer.passes {
             for shape in &shapes {

@@ -22,16 +22,16 @@ use usvg::roxmltree::{self, Document, ParsingOptions};
 use usvg::{Group, Node, Transform, Tree};
 
 /// mm of a px, 1/96 inch.
-const PX: f64 = 25.4 / 96.0;
+const MM_PER_PX: f64 = 25.4 / 96.0;
 /// Relative error of a coordinate of 24 bits, with one more for its transform.
-const ROUNDED: f64 = 1.0 / (1 << 23) as f64;
+const ROUNDING_SHARE: f64 = 1.0 / (1 << 23) as f64;
 /// A stack on which the deepest file that is taken is read.
-const STACK: usize = 64 << 20;
+const STACK_BYTES: usize = 64 << 20;
 
 /// The shapes of a file; errors without its name.
 pub fn read(bytes: &[u8]) -> Result<(Vec<Shape>, Vec<String>), Fault> {
     let worker = std::thread::scope(|scope| {
-        let worker = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || parsed(bytes));
+        let worker = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, || parsed(bytes));
         worker.map(|worker| worker.join())
     });
     match worker {
@@ -114,7 +114,7 @@ fn size_note(root: roxmltree::Node<'_, '_>, size: [f64; 2]) -> Option<String> {
         (Some(width), Some(height)) => width && height,
         (one, other) => one.or(other).is_some_and(|has_unit| has_unit) && root.has_attribute("viewBox"),
     };
-    let [width, height] = size.map(|px| px * PX);
+    let [width, height] = size.map(|px| px * MM_PER_PX);
     (!is_said).then(|| {
         format!(
             "the page has no width and height with a unit (as width=\"100mm\"): 96 px are an inch, which makes it \
@@ -194,7 +194,7 @@ impl Map {
     /// What rounding may have moved a point by, px, where coordinates are up to `x` and `y`.
     fn noise(&self, [x, y]: Point) -> f64 {
         let Map([a, b, c, d, e, f]) = self.0.map(f64::abs).into();
-        ((a * x + c * y + e).max(b * x + d * y + f)) * ROUNDED
+        ((a * x + c * y + e).max(b * x + d * y + f)) * ROUNDING_SHARE
     }
 }
 
@@ -295,8 +295,8 @@ impl ShapeSearch {
             }
             let pattern = dashes::DashPattern::new(lengths, stroke.dashoffset(), map.scale());
             self.dashes += pattern.count_max(&elements);
-            if self.dashes > dashes::DASHES_MAX {
-                let most = dashes::DASHES_MAX;
+            if self.dashes > dashes::MAX_DASHES {
+                let most = dashes::MAX_DASHES;
                 let text = format!("with the dashes of {place} there are more than {most}: make them longer");
                 return Err(Fault::whole(text));
             }
@@ -335,11 +335,11 @@ impl ShapeSearch {
         let bounds = path.data().bounds();
         let far = |a: f32, b: f32| f64::from(a.abs().max(b.abs()));
         let noise = map.noise([far(bounds.left(), bounds.right()), far(bounds.top(), bounds.bottom())]);
-        let noise = (noise + self.height * ROUNDED) * PX + 1e-9;
+        let noise = (noise + self.height * ROUNDING_SHARE) * MM_PER_PX + 1e-9;
         let height = self.height;
         let mm = |p: kurbo::Point| {
             let [x, y] = map.px([p.x, p.y]);
-            [x * PX, (height - y) * PX]
+            [x * MM_PER_PX, (height - y) * MM_PER_PX]
         };
         let mut open: Option<Shape> = None;
         let mut at = [0.0; 2];

@@ -18,7 +18,7 @@ pub type Point = [i128; 3];
 /// Axes of a plane, first and second, and the one across it.
 const PLANES: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
 /// The longest dwell, s.
-const DWELL_MAX: i128 = 86_400 * ONE;
+const DWELL_MAX_S: i128 = 86_400 * ONE;
 
 /// The state of RS274.
 #[derive(Clone)]
@@ -291,7 +291,7 @@ impl<'a> State<'a> {
 
     fn dwell(&self, block: &Block, number: usize, writer: &mut Writer<'_>) -> Result<(), String> {
         let Some(seconds) = block.p else { return Err("G4 needs P, in seconds".to_owned()) };
-        if !(0..=DWELL_MAX).contains(&seconds) {
+        if !(0..=DWELL_MAX_S).contains(&seconds) {
             return Err("G4 P is 0 to 86400 seconds".to_owned());
         }
         // Constant light stays on at standstill while a feed motion is modal; light that follows

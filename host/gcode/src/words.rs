@@ -2,7 +2,7 @@
 //!
 //! In: a line. Out: letters with exact numbers, without blanks and comments. Fails with what is no
 //! word.
-use strokes::exact::{DECIMALS, WHOLE_DIGITS};
+use strokes::exact::{DECIMALS, MAX_WHOLE_DIGITS};
 
 /// A letter and its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,7 +90,7 @@ fn number(text: &[u8]) -> Result<i128, &'static str> {
                 let digit = i128::from(byte - b'0');
                 if !point {
                     whole += usize::from(value != 0 || digit != 0);
-                    if whole > WHOLE_DIGITS {
+                    if whole > MAX_WHOLE_DIGITS {
                         return Err("a number has at most 9 digits before the point");
                     }
                     value = value * 10 + digit;

@@ -3,12 +3,12 @@
 //! In: a line. Out: Grbl's answer. Those that Grbl refuses during motion are refused here too.
 use crate::errors;
 use crate::report::{length, point};
-use crate::session::{BLOCKS, BYTES, Session};
+use crate::session::{PLANNER_BLOCKS, RECEIVE_BYTES, Session};
 use crate::settings::Settings;
 use client::Error;
 
 /// Characters of a line that a message shows.
-const SHOWN: usize = 24;
+const SHOWN_CHARACTERS: usize = 24;
 
 impl Session<'_> {
     /// Does such a line, and answers it.
@@ -56,7 +56,7 @@ impl Session<'_> {
             }
             "$I" => {
                 self.say("[VER:1.1h.20190825:Beamtick]");
-                self.say(&format!("[OPT:VL,{BLOCKS},{BYTES}]"));
+                self.say(&format!("[OPT:VL,{PLANNER_BLOCKS},{RECEIVE_BYTES}]"));
                 0
             }
             "$N" => {
@@ -99,7 +99,7 @@ impl Session<'_> {
     /// `$x=val` and `$Nx=line`.
     fn set(&mut self, bare: &str) -> Result<(), (u8, String)> {
         let bad = |why: String| (errors::BAD_STATEMENT, why);
-        let shown: String = bare.chars().take(SHOWN).collect();
+        let shown: String = bare.chars().take(SHOWN_CHARACTERS).collect();
         let unknown = || bad(format!("{shown} is no command; $ lists them"));
         let (name, value) = bare[1..].split_once('=').ok_or_else(unknown)?;
         if name == "RST" {

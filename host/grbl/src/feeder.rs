@@ -5,9 +5,9 @@
 //! Fails: with the link's error, which ends the port; what the controller refuses or stops by
 //! itself is a fault in the view, and nothing more is entered.
 //!
-//! **When the path starts.** [`START_MIN_MOTIONS`] motions wait, or nothing new came for [`QUIET`],
-//! or the sender waits for standstill. What comes while the path runs joins it. A path that ran out
-//! of entries is dark; before it starts anew, its light is entered anew.
+//! **When the path starts.** [`START_MIN_MOTIONS`] motions wait, or nothing new came for
+//! [`START_TIMEOUT`], or the sender waits for standstill. What comes while the path runs joins it.
+//! A path that ran out of entries is dark; before it starts anew, its light is entered anew.
 mod feed;
 
 use crate::entry::{Entry, Kind};
@@ -25,16 +25,16 @@ pub use feed::Feed;
 /// Motions that start a path that stands.
 const START_MIN_MOTIONS: usize = 8;
 /// After this time without a line the path starts with what it has.
-const QUIET: Duration = Duration::from_millis(5);
+const START_TIMEOUT: Duration = Duration::from_millis(5);
 /// Entries that travel together at most.
-const BATCH: usize = 400;
+const BATCH_ENTRIES: usize = 400;
 /// Time between two looks at the controller while it moves, and while it stands.
-const MOVING: Duration = Duration::from_millis(2);
-const STANDING: Duration = Duration::from_millis(10);
+const MOTION_POLL_PERIOD: Duration = Duration::from_millis(2);
+const STANDSTILL_POLL_PERIOD: Duration = Duration::from_millis(10);
 /// Time between two looks at what changes slowly: axes and the laser.
-const SLOWLY: Duration = Duration::from_millis(20);
+const AXIS_POLL_PERIOD: Duration = Duration::from_millis(20);
 /// What passes between two looks in virtual time.
-const STRIDE: Duration = Duration::from_millis(4);
+const VIRTUAL_POLL_PERIOD: Duration = Duration::from_millis(4);
 /// Reasons of a stop that are limits: those of the switches and of the software.
 const LIMIT_REASONS: std::ops::RangeInclusive<u16> = 4..=7;
 /// Of the logical core, the coordinate system and its FIFO.
@@ -230,7 +230,8 @@ impl Feeder {
             if inbox.ends {
                 return;
             }
-            let wait = if self.view.runs || !self.sent.is_empty() { MOVING } else { STANDING };
+            let wait =
+                if self.view.runs || !self.sent.is_empty() { MOTION_POLL_PERIOD } else { STANDSTILL_POLL_PERIOD };
             if busy {
                 continue;
             }
@@ -238,7 +239,7 @@ impl Feeder {
                 Pace::Real => drop(self.shared.wake.wait_timeout(inbox, wait)),
                 Pace::Virtual => {
                     drop(inbox);
-                    if let Err(error) = self.client.sleep(STRIDE) {
+                    if let Err(error) = self.client.sleep(VIRTUAL_POLL_PERIOD) {
                         self.view.failed = Some(error);
                     }
                     std::thread::yield_now();
@@ -270,9 +271,9 @@ impl Feeder {
         let (empties, feed) = {
             let mut inbox = locked(&self.shared.inbox);
             if !stands && !inbox.empty {
-                let count = inbox.entries.len().min(free).min(BATCH);
+                let count = inbox.entries.len().min(free).min(BATCH_ENTRIES);
                 batch.extend(inbox.entries.drain(..count));
-                more = !inbox.entries.is_empty() && count == BATCH;
+                more = !inbox.entries.is_empty() && count == BATCH_ENTRIES;
             }
             (inbox.empty, inbox.feed)
         };
@@ -302,7 +303,7 @@ impl Feeder {
         let records = records(batch);
         let mut calls: Vec<Call> = records.iter().map(|record| record.call.clone()).collect();
         calls.push(Call::of(CrdInfo { core: CORE.into(), crd: CRD.into() }));
-        let slow = self.slow.is_none_or(|at| at.elapsed() >= SLOWLY);
+        let slow = self.slow.is_none_or(|at| at.elapsed() >= AXIS_POLL_PERIOD);
         let (first, last) = (self.axes.iter().min().copied(), self.axes.iter().max().copied());
         let axes = first.zip(last).map(|(first, last)| (first, last - first + 1));
         if slow {
@@ -488,7 +489,7 @@ impl Feeder {
         }
         let quiet = {
             let inbox = locked(&self.shared.inbox);
-            let quiet = inbox.newest.is_none_or(|at| at.elapsed() >= QUIET);
+            let quiet = inbox.newest.is_none_or(|at| at.elapsed() >= START_TIMEOUT);
             quiet || (inbox.hurry && inbox.entries.is_empty())
         };
         if !goes_on && self.motions < START_MIN_MOTIONS && !quiet {
@@ -550,7 +551,7 @@ impl Feeder {
         entries.extend(std::mem::take(&mut self.sent));
         (self.motions, self.fast) = (0, 0);
         while !entries.is_empty() {
-            let rest = entries.split_off(entries.len().min(BATCH));
+            let rest = entries.split_off(entries.len().min(BATCH_ENTRIES));
             self.exchange(entries, true)?;
             entries = rest;
         }

@@ -19,21 +19,21 @@ use protocol::command::AxisOn;
 use std::collections::VecDeque;
 
 /// Blocks of the planner that are reported, and bytes of the receive buffer.
-pub const BLOCKS: u64 = 15;
+pub const PLANNER_BLOCKS: u64 = 15;
 /// See there.
-pub const BYTES: usize = 128;
+pub const RECEIVE_BYTES: usize = 128;
 /// More blocks are taken while those that wait last shorter than this, ms, …
 const AHEAD_MS: u32 = 500;
 /// … up to so many entries, …
-const ENTRIES: u64 = 1200;
+const AHEAD_ENTRIES: u64 = 1200;
 /// … of which so many may not have reached the controller: only it knows how long they last. …
-const UNKNOWN: u64 = 64;
+const UNREPORTED_ENTRIES: u64 = 64;
 /// … More of them are taken if they last shorter than this, as long each as those that it has, ms.
 const UNKNOWN_MS: u64 = 50;
 /// Characters of a line without blanks. Grbl has 80.
-const LINE: usize = 255;
+const LINE_CHARACTERS: usize = 255;
 /// What is kept of bytes that nobody counted.
-const KEPT: usize = 1 << 16;
+const KEPT_BYTES: usize = 1 << 16;
 
 /// What ends an alarm, in Grbl's words.
 const UNLOCK: &str = "'$H'|'$X' to unlock";
@@ -155,7 +155,7 @@ impl<'a> Session<'a> {
 
     /// Whether bytes are taken: a sender that counts them never fills this.
     pub fn takes(&self) -> bool {
-        self.received.len() < KEPT
+        self.received.len() < KEPT_BYTES
     }
 
     pub(crate) fn say(&mut self, text: &str) {
@@ -208,7 +208,7 @@ impl<'a> Session<'a> {
             match line {
                 Some(line) => self.obey(&line)?,
                 None => {
-                    self.message(&format!("a line has at most {LINE} characters"));
+                    self.message(&format!("a line has at most {LINE_CHARACTERS} characters"));
                     self.answer(errors::OVERFLOW);
                 }
             }
@@ -223,7 +223,7 @@ impl<'a> Session<'a> {
                 self.line.clear();
                 return Some((!std::mem::take(&mut self.overflow)).then_some(line));
             }
-            if self.line.len() < LINE {
+            if self.line.len() < LINE_CHARACTERS {
                 self.line.push(byte);
             } else {
                 self.overflow |= byte != b' ';
@@ -238,8 +238,8 @@ impl<'a> Session<'a> {
         let unknown = self.feed.unknown(&view);
         let known = entries.saturating_sub(unknown);
         let is_short = known > 0 && unknown * u64::from(view.lasts_ms) < UNKNOWN_MS * known;
-        let few = unknown < UNKNOWN || is_short;
-        motions < BLOCKS || (entries < ENTRIES && view.lasts_ms < AHEAD_MS && few)
+        let few = unknown < UNREPORTED_ENTRIES || is_short;
+        motions < PLANNER_BLOCKS || (entries < AHEAD_ENTRIES && view.lasts_ms < AHEAD_MS && few)
     }
 
     /// What has come to its end by itself.

@@ -15,18 +15,18 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel}
 use std::time::{Duration, Instant};
 
 /// Longest wait for bytes while something else may come, and while nothing may.
-const SHORT_WAIT: Duration = Duration::from_millis(1);
-const LONG_WAIT: Duration = Duration::from_millis(5);
+const BUSY_READ_TIMEOUT: Duration = Duration::from_millis(1);
+const IDLE_READ_TIMEOUT: Duration = Duration::from_millis(5);
 /// A sender that takes no answers for so long has gone.
-const DEAF: Duration = Duration::from_secs(2);
+const WRITE_TIMEOUT: Duration = Duration::from_secs(2);
 /// What a second sender reads.
 const BUSY: &[u8] = b"[MSG:Busy: another sender is connected]\r\n";
 /// So many of them are waited for.
-const REFUSED_MAX: usize = 16;
+const MAX_REFUSED_SENDERS: usize = 16;
 /// Time between two looks for another sender.
-const VISITS: Duration = Duration::from_millis(100);
+const SECOND_SENDER_POLL_PERIOD: Duration = Duration::from_millis(100);
 /// Time between two looks for a first one.
-const NAP: Duration = Duration::from_millis(20);
+const FIRST_SENDER_POLL_PERIOD: Duration = Duration::from_millis(20);
 
 /// Where senders connect.
 pub enum Port {
@@ -134,7 +134,7 @@ pub fn serve(
         if let Some(error) = feed.view().failed {
             return Err(error);
         }
-        feed.wait_for_change(LONG_WAIT);
+        feed.wait_for_change(IDLE_READ_TIMEOUT);
     }
     let mut session = Session::new(machine, stream, feed, pass_stops);
     let mut place = Listener::new(port)?;
@@ -144,7 +144,7 @@ pub fn serve(
         session.go()?;
         while session.settles() {
             session.turn()?;
-            std::thread::sleep(SHORT_WAIT);
+            std::thread::sleep(BUSY_READ_TIMEOUT);
         }
         place.back(wire);
         if ends() {
@@ -173,15 +173,15 @@ fn talk(
         if ends() {
             return Ok(());
         }
-        if visits.elapsed() > VISITS {
+        if visits.elapsed() > SECOND_SENDER_POLL_PERIOD {
             visits = Instant::now();
             place.refuse();
         }
         if !session.takes() {
-            std::thread::sleep(SHORT_WAIT);
+            std::thread::sleep(BUSY_READ_TIMEOUT);
             continue;
         }
-        match wire.read(&mut bytes, if session.busy() { SHORT_WAIT } else { LONG_WAIT }) {
+        match wire.read(&mut bytes, if session.busy() { BUSY_READ_TIMEOUT } else { IDLE_READ_TIMEOUT }) {
             Some(0) => {}
             Some(count) => session.receive(bytes.get(..count).unwrap_or_default())?,
             None => return Ok(()),
@@ -231,7 +231,7 @@ impl Listener {
                     if let Ok((stream, _)) = listener.accept()
                         && stream.set_nonblocking(false).is_ok()
                         && stream.set_nodelay(true).is_ok()
-                        && stream.set_write_timeout(Some(DEAF)).is_ok()
+                        && stream.set_write_timeout(Some(WRITE_TIMEOUT)).is_ok()
                     {
                         return Ok(Some(Wire::Tcp(stream, None)));
                     }
@@ -246,14 +246,14 @@ impl Listener {
                     if let Some(master) = kept.take() {
                         let mut wire = Wire::Pty(master);
                         // While nobody has the other end open, a read fails at once.
-                        if wire.read(&mut [], SHORT_WAIT).is_some() {
+                        if wire.read(&mut [], BUSY_READ_TIMEOUT).is_some() {
                             return Ok(Some(wire));
                         }
                         self.back(wire);
                     }
                 }
             }
-            std::thread::sleep(NAP);
+            std::thread::sleep(FIRST_SENDER_POLL_PERIOD);
         }
         Ok(None)
     }
@@ -273,7 +273,7 @@ impl Listener {
         let Listener::Tcp(listener, refused) = self else { return };
         while let Ok((mut stream, _)) = listener.accept() {
             let told = stream.set_nonblocking(true).and_then(|()| stream.write_all(BUSY));
-            if told.and_then(|()| stream.shutdown(Shutdown::Write)).is_ok() && refused.len() < REFUSED_MAX {
+            if told.and_then(|()| stream.shutdown(Shutdown::Write)).is_ok() && refused.len() < MAX_REFUSED_SENDERS {
                 refused.push((stream, Instant::now()));
             }
         }
@@ -283,7 +283,7 @@ impl Listener {
                 Ok(count) => count > 0,
                 Err(error) => is_wait(&error),
             };
-            stays && since.elapsed() < DEAF
+            stays && since.elapsed() < WRITE_TIMEOUT
         });
     }
 }
@@ -341,7 +341,7 @@ impl Wire {
             #[cfg(unix)]
             Wire::Pty(master) => {
                 use serialport::SerialPort;
-                master.set_timeout(DEAF).is_ok() && master.write_all(bytes).is_ok()
+                master.set_timeout(WRITE_TIMEOUT).is_ok() && master.write_all(bytes).is_ok()
             }
         }
     }

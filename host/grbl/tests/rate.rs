@@ -9,10 +9,10 @@ use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
 /// Lines of the test that always runs, and of the one that measures.
-const SOME: usize = 4000;
-const MANY: usize = 100_000;
+const SHORT_RUN_LINES: usize = 4000;
+const LONG_RUN_LINES: usize = 100_000;
 /// Of a row.
-const ROW: usize = 10_000;
+const ROW_LINES: usize = 10_000;
 
 /// What a sender streams: lines of so many hundredths of a mm at F in mm/min, with so many powers
 /// in turns.
@@ -68,8 +68,8 @@ fn run(lines: usize, rows: Rows) -> (f64, u64) {
 
 /// Position of a line along X in hundredths of a mm, to and fro.
 fn x(line: usize, step: usize) -> usize {
-    let (row, column) = (line / ROW, line % ROW);
-    if row % 2 == 0 { (column + 1) * step } else { (ROW - 1 - column) * step }
+    let (row, column) = (line / ROW_LINES, line % ROW_LINES);
+    if row % 2 == 0 { (column + 1) * step } else { (ROW_LINES - 1 - column) * step }
 }
 
 /// As senders do that count: 128 bytes are on the way at most.
@@ -105,20 +105,20 @@ fn count_characters(mut stream: TcpStream, lines: usize, rows: Rows) {
 /// On a machine that is busy otherwise the rate counts for nothing; that all arrives does.
 #[test]
 fn lines_that_are_counted_all_arrive() {
-    let (took, starts) = run(SOME, Rows { step: 2, feed: 6000, powers: 100 });
-    println!("{:.0} lines a second, {starts} starts", SOME as f64 / took);
+    let (took, starts) = run(SHORT_RUN_LINES, Rows { step: 2, feed: 6000, powers: 100 });
+    println!("{:.0} lines a second, {starts} starts", SHORT_RUN_LINES as f64 / took);
 }
 
 #[test]
 #[ignore = "measures; docs/grbl.md has the command"]
 fn how_many_lines_a_second() {
-    println!("{:.0} lines a second are read in $C", MANY as f64 / check(MANY));
+    println!("{:.0} lines a second are read in $C", LONG_RUN_LINES as f64 / check(LONG_RUN_LINES));
     // Each change of S is an entry of the path between two motions.
     for rows in [ONE_POWER, POWERS, FINE] {
-        let (took, starts) = run(MANY, rows);
-        let (rate, Rows { step, feed, powers }) = (MANY as f64 / took, rows);
+        let (took, starts) = run(LONG_RUN_LINES, rows);
+        let (rate, Rows { step, feed, powers }) = (LONG_RUN_LINES as f64 / took, rows);
         println!(
-            "0.0{step} mm at F{feed}, {powers} powers: {MANY} lines in {took:.2} s: {rate:.0} a second, {starts} starts of the path"
+            "0.0{step} mm at F{feed}, {powers} powers: {LONG_RUN_LINES} lines in {took:.2} s: {rate:.0} a second, {starts} starts of the path"
         );
     }
 }

@@ -30,9 +30,9 @@ const TICK_US: u32 = 250;
 /// Time between two looks of the thread.
 const POLL_PERIOD: Duration = Duration::from_millis(1);
 /// At the end of the process, calls of other threads are waited for no longer than this.
-const FINISH: Duration = Duration::from_secs(1);
+const EXIT_TIMEOUT: Duration = Duration::from_secs(1);
 /// Between two looks of a call that lets another one go first.
-const GIVE_WAY: Duration = Duration::from_micros(100);
+const YIELD_PERIOD: Duration = Duration::from_micros(100);
 
 /// A slot for a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -76,7 +76,7 @@ impl CardSlot {
     pub fn lock(self) -> MutexGuard<'static, State> {
         loop {
             while self.is_asked_for() {
-                std::thread::sleep(GIVE_WAY);
+                std::thread::sleep(YIELD_PERIOD);
             }
             let state = self.wait();
             // A lock is not given in the order in which it was asked for.
@@ -99,7 +99,7 @@ impl CardSlot {
         FIRST[self.0].fetch_add(1, Ordering::SeqCst);
         let state = loop {
             match self.try_lock() {
-                None if Instant::now() < end => std::thread::sleep(GIVE_WAY),
+                None if Instant::now() < end => std::thread::sleep(YIELD_PERIOD),
                 state => break state,
             }
         };
@@ -195,7 +195,7 @@ extern "C" fn finish() {
         return;
     }
     let _ = std::panic::catch_unwind(|| {
-        let end = Instant::now() + FINISH;
+        let end = Instant::now() + EXIT_TIMEOUT;
         for slot in all() {
             // Another thread may be in a call that does not end.
             if let Some(mut state) = slot.lock_first_until(end) {

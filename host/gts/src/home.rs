@@ -34,11 +34,11 @@ pub enum HomeCall {
 }
 
 /// Between two looks at an axis, of the controller's time: each is some hundred bytes of a link.
-const POLL: Duration = Duration::from_millis(2);
+const POLL_PERIOD: Duration = Duration::from_millis(2);
 /// A search without a limit goes so far, pulses.
-const FAR: i64 = 0x3000_0000;
+const UNLIMITED_SEARCH_PULSES: i64 = 0x3000_0000;
 /// Away from the limit, where `escapeStep` is 0.
-const ESCAPE: i64 = 1000;
+const ESCAPE_PULSES: i64 = 1000;
 /// Captures, as SetCaptureMode counts.
 const HOME: i16 = 1;
 const INDEX: i16 = 2;
@@ -157,7 +157,7 @@ impl Homes {
         let now = client.now();
         let mut axes = self.lock();
         for ((core, axis), homing) in axes.iter_mut().filter(|(_, homing)| homing.run) {
-            if now.saturating_sub(homing.polled) >= POLL {
+            if now.saturating_sub(homing.polled) >= POLL_PERIOD {
                 homing.polled = now;
                 let mut controller = Controller { client, core: *core, axis: *axis };
                 if let Err(code) = homing.step(&mut controller) {
@@ -166,7 +166,7 @@ impl Homes {
             }
         }
         self.count(&axes);
-        Some(POLL)
+        Some(POLL_PERIOD)
     }
 
     /// Does a call of the program. `given` are the values that go in.
@@ -273,10 +273,10 @@ impl Parameters {
             acc: above("acc")?,
             dec: above("dec")?,
             smooth_ms: whole("smoothTime", 0, 50)? as i16,
-            offset: whole("homeOffset", -(FAR as i32), FAR as i32)?,
-            home_distance: whole("searchHomeDistance", 0, FAR as i32)?,
-            index_distance: whole("searchIndexDistance", 0, FAR as i32)?,
-            escape: whole("escapeStep", 0, FAR as i32)?,
+            offset: whole("homeOffset", -(UNLIMITED_SEARCH_PULSES as i32), UNLIMITED_SEARCH_PULSES as i32)?,
+            home_distance: whole("searchHomeDistance", 0, UNLIMITED_SEARCH_PULSES as i32)?,
+            index_distance: whole("searchIndexDistance", 0, UNLIMITED_SEARCH_PULSES as i32)?,
+            escape: whole("escapeStep", 0, UNLIMITED_SEARCH_PULSES as i32)?,
         })
     }
 
@@ -292,7 +292,7 @@ impl Parameters {
     fn phases(&self) -> Vec<HomePhase> {
         let sign = |direction: i16| if direction < 0 { -1 } else { 1 };
         let (forth, index) = (sign(self.move_dir), sign(self.index_dir));
-        let far = |distance: i64| if distance == 0 { FAR } else { distance };
+        let far = |distance: i64| if distance == 0 { UNLIMITED_SEARCH_PULSES } else { distance };
         let home =
             |direction| HomePhase::Capture { kind: HOME, direction, distance: far(self.home_distance), slowly: false };
         let index =
@@ -333,7 +333,7 @@ impl Homing {
             error: fault::NONE,
             origin: 0,
             target: 0,
-            polled: now.saturating_sub(POLL),
+            polled: now.saturating_sub(POLL_PERIOD),
         }
     }
 
@@ -363,7 +363,7 @@ impl Homing {
         match leg {
             HomePhase::Limit { direction, slowly } => {
                 self.stage = if slowly { stage::RETURN_TO_LIMIT } else { stage::SEARCH_LIMIT };
-                self.target = here + direction * FAR;
+                self.target = here + direction * UNLIMITED_SEARCH_PULSES;
                 axis.clear().map_err(refused)?;
                 // At a limit already, the move is refused.
                 match axis.go(self.target, if slowly { low } else { high }) {
@@ -373,7 +373,7 @@ impl Homing {
             }
             HomePhase::Escape { direction } => {
                 self.stage = stage::ESCAPE_LIMIT;
-                let step = if self.parameters.escape == 0 { ESCAPE } else { self.parameters.escape };
+                let step = if self.parameters.escape == 0 { ESCAPE_PULSES } else { self.parameters.escape };
                 self.target = here + direction * step;
                 axis.go(self.target, high).map(|()| false).map_err(refused)
             }

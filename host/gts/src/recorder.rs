@@ -23,9 +23,9 @@ use trace::{
 };
 
 /// Analog outputs that it shows.
-const ANALOG: u8 = 8;
+const ANALOG_OUTPUTS: u8 = 8;
 /// A trace's end comes within this controller time.
-const END: Duration = Duration::from_secs(1);
+const TRACE_END_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// See the module text.
 pub struct Recorder {
@@ -228,14 +228,14 @@ fn begin(
 ) -> trace::Result<()> {
     FileStream::begin(csv, |file| CsvWriter::new(file, header))?;
     let outputs: Vec<(u8, bool)> = (1..=outputs).map(|output| (output, false)).collect();
-    let analog: Vec<u8> = (1..=ANALOG).collect();
+    let analog: Vec<u8> = (1..=ANALOG_OUTPUTS).collect();
     FileStream::begin(vcd, |file| VcdWriter::new(file, header, &outputs, &analog))
 }
 
 /// Ends the trace and closes the files; 1 if it has failed.
 pub fn finish(client: &Client, recorder: &Mutex<Recorder>, used: &Used) -> Result<()> {
     client.call(Trace::default())?;
-    let end = client.now() + END;
+    let end = client.now() + TRACE_END_TIMEOUT;
     let over = |recorder: &Recorder| recorder.failed.is_some() || recorder.reader.ended();
     while !over(&recorder.lock().unwrap_or_else(PoisonError::into_inner)) && client.now() < end {
         client.sleep(Duration::from_millis(1))?;

@@ -10,8 +10,8 @@
 //! are 32, before any other call, and after a millisecond.
 //!
 //! Free slots never become fewer by themselves. So an answer of `PtSpace` from here is exact at
-//! standstill, and at most [`FRESH`] old while the axis runs. Only the link can still refuse queued
-//! data; then the next call fails.
+//! standstill, and at most [`SLOTS_VALID_FOR`] old while the axis runs. Only the link can still
+//! refuse queued data; then the next call fails.
 
 use client::{Call, Error};
 use protocol::command::{PtClear, PtData, PtDataMany, PtItem, PtSpace, PtTaken, Short, opcode};
@@ -22,9 +22,9 @@ use std::time::{Duration, Instant};
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Segments that travel together.
-const BATCH: usize = 32;
+const BATCH_SEGMENTS: usize = 32;
 /// How long reported free slots are used as an answer.
-const FRESH: Duration = Duration::from_millis(10);
+const SLOTS_VALID_FOR: Duration = Duration::from_millis(10);
 
 /// A FIFO: core, profile, number.
 type Fifo = (i16, i16, i16);
@@ -78,14 +78,14 @@ impl Stream {
     pub fn answer(&self, call: &Call) -> Option<Vec<u8>> {
         let asked = (call.opcode == opcode::PtSpace).then(|| PtSpace::read_from_bytes(&call.payload).ok())??;
         let fifo = (asked.core.get(), asked.profile.get(), asked.fifo.get());
-        let lease = self.lease.filter(|lease| lease.fifo == fifo && lease.reported.elapsed() < FRESH)?;
+        let lease = self.lease.filter(|lease| lease.fifo == fifo && lease.reported.elapsed() < SLOTS_VALID_FOR)?;
         let free = lease.free.checked_sub(self.queue.len()).filter(|free| *free > 0)?;
         Some(Short { value: (free as i16).into() }.as_bytes().to_vec())
     }
 
     /// Whether a batch is complete.
     pub fn is_full(&self) -> bool {
-        self.queue.len() >= BATCH
+        self.queue.len() >= BATCH_SEGMENTS
     }
 
     /// The queue as one call.

@@ -9,7 +9,7 @@ use crate::value::{Type, Value, Variable};
 use std::ops::Range;
 
 /// Values that all arrays of a script hold together, at most: a short line can ask for many.
-const ARRAYS_MAX: usize = 4_000_000;
+const ARRAYS_MAX_ELEMENTS: usize = 4_000_000;
 
 impl Reader<'_> {
     pub(crate) fn declare(&mut self, of: Type, start: usize) -> Result<(), Fault> {
@@ -63,8 +63,9 @@ impl Reader<'_> {
         };
         let length = length as usize;
         self.in_arrays = self.in_arrays.saturating_add(length.saturating_mul(Variable::width(of)));
-        if self.in_arrays > ARRAYS_MAX {
-            let message = format!("the arrays of this script are too long: they hold {ARRAYS_MAX} values together");
+        if self.in_arrays > ARRAYS_MAX_ELEMENTS {
+            let message =
+                format!("the arrays of this script are too long: they hold {ARRAYS_MAX_ELEMENTS} values together");
             return Err(Fault::new(span, message, C_LIBRARY));
         }
         Ok(length)

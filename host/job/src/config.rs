@@ -15,8 +15,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use zerocopy::IntoBytes;
 
 /// Power-on stop decelerations (SPEC 5), for the one of the two that a file leaves out, pulse/ms².
-const DEC_SMOOTH: f64 = 1.0;
-const DEC_ABRUPT: f64 = 1000.0;
+const DEC_SMOOTH_PULSES_PER_MS2: f64 = 1.0;
+const DEC_ABRUPT_PULSES_PER_MS2: f64 = 1000.0;
 /// Axes that a file may number.
 const AXES: std::ops::RangeInclusive<i16> = 1..=32;
 
@@ -160,8 +160,8 @@ impl Keys {
             alarm_sense: sense("alarm_sense", self.alarm_sense)?,
             soft_positive: self.soft_limit_positive.unwrap_or(i32::MAX).into(),
             soft_negative: self.soft_limit_negative.unwrap_or(i32::MIN).into(),
-            dec_smooth: deceleration("stop_dec_smooth", self.stop_dec_smooth, DEC_SMOOTH)?.into(),
-            dec_abrupt: deceleration("stop_dec_abrupt", self.stop_dec_abrupt, DEC_ABRUPT)?.into(),
+            dec_smooth: deceleration("stop_dec_smooth", self.stop_dec_smooth, DEC_SMOOTH_PULSES_PER_MS2)?.into(),
+            dec_abrupt: deceleration("stop_dec_abrupt", self.stop_dec_abrupt, DEC_ABRUPT_PULSES_PER_MS2)?.into(),
             pos_err: self.position_error.unwrap_or(0).into(),
             band: self.band.unwrap_or(0).into(),
             band_time_cycles: self.band_time.unwrap_or(0).into(),

@@ -30,9 +30,9 @@ pub struct Diagnostic {
 }
 
 /// Characters of its input that a message quotes, at most (SPEC 10).
-pub const QUOTED_MAX: usize = 80;
+pub const QUOTED_CHARACTERS: usize = 80;
 /// Characters of a whole message, at most.
-const MESSAGE_MAX: usize = 600;
+const MESSAGE_CHARACTERS: usize = 600;
 
 /// At most so many characters; what is cut off is marked.
 fn cut(text: &str, most: usize) -> String {
@@ -59,27 +59,28 @@ fn escaped(text: &str) -> String {
 
 /// A part of the input as a message may quote it.
 pub fn quoted(text: &str) -> String {
-    cut(&escaped(text), QUOTED_MAX)
+    cut(&escaped(text), QUOTED_CHARACTERS)
 }
 
 /// A message as it may be shown: control characters that came with the input are escaped, and no
-/// quotation is longer than [`QUOTED_MAX`].
+/// quotation is longer than [`QUOTED_CHARACTERS`].
 pub fn tidy(message: &str) -> String {
     let mut out = String::with_capacity(message.len());
     for (number, part) in escaped(message).split('`').enumerate() {
         if number > 0 {
             out.push('`');
         }
-        out += &if number % 2 == 1 { cut(part, QUOTED_MAX) } else { texts_cut(part) };
+        out += &if number % 2 == 1 { cut(part, QUOTED_CHARACTERS) } else { texts_cut(part) };
     }
-    cut(&out, MESSAGE_MAX)
+    cut(&out, MESSAGE_CHARACTERS)
 }
 
 /// The same of texts in quotation marks.
 fn texts_cut(part: &str) -> String {
     let parts = part.split('"').enumerate();
-    let parts: Vec<String> =
-        parts.map(|(number, part)| if number % 2 == 1 { cut(part, QUOTED_MAX) } else { part.to_owned() }).collect();
+    let parts: Vec<String> = parts
+        .map(|(number, part)| if number % 2 == 1 { cut(part, QUOTED_CHARACTERS) } else { part.to_owned() })
+        .collect();
     parts.join("\"")
 }
 
@@ -92,7 +93,7 @@ pub fn render(diagnostic: &Diagnostic, file: &str, text: &str, colour: bool) -> 
     let line_end = text.get(end..).and_then(|after| after.find('\n')).map_or(text.len(), |at| end + at);
     let shown = text.get(line_begin..line_end).unwrap_or("");
     let hidden = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t' | '\r');
-    if shown.chars().count() > QUOTED_MAX || shown.contains(hidden) || escaped(file) != file {
+    if shown.chars().count() > QUOTED_CHARACTERS || shown.contains(hidden) || escaped(file) != file {
         let place = (escaped(file), begin.saturating_sub(line_begin));
         return excerpt(diagnostic, place, shown, &message, help.as_deref());
     }
@@ -138,13 +139,13 @@ fn excerpt(
     help: Option<&str>,
 ) -> String {
     /// Characters shown before the position.
-    const BEFORE: usize = 30;
+    const BEFORE_CHARACTERS: usize = 30;
     let before = escaped(line.get(..at).unwrap_or(""));
     let count = before.chars().count();
-    let lead: String = before.chars().skip(count.saturating_sub(BEFORE)).collect();
-    let lead = if count > BEFORE { format!("…{lead}") } else { lead };
+    let lead: String = before.chars().skip(count.saturating_sub(BEFORE_CHARACTERS)).collect();
+    let lead = if count > BEFORE_CHARACTERS { format!("…{lead}") } else { lead };
     let behind = line.get(at..).unwrap_or("").lines().next().unwrap_or("").trim_end_matches('\r');
-    let room = QUOTED_MAX - lead.chars().count();
+    let room = QUOTED_CHARACTERS - lead.chars().count();
     let rest: String = escaped(&behind.chars().take(room).collect::<String>());
     let rest = cut(&rest, room);
     let kind = if diagnostic.severity == Severity::Error { "Error" } else { "Warning" };

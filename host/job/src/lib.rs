@@ -32,7 +32,7 @@ mod used;
 mod value;
 mod wait;
 
-pub use diagnostic::{Diagnostic, QUOTED_MAX, Severity, quoted, render, render_lines, tidy};
+pub use diagnostic::{Diagnostic, QUOTED_CHARACTERS, Severity, quoted, render, render_lines, tidy};
 pub use expr::nearest;
 pub use job::{Action, Axis, Call, Crd, Job, Out, Pragma, Step};
 pub use used::Used;

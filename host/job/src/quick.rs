@@ -7,7 +7,7 @@ use crate::{Action, Call, Step};
 use protocol::command::{BufLaserFollowRatio, BufLaserOff, BufLaserOn, BufLaserPrfCmd, LnXY, LnXYZ, Request};
 
 /// The longest request of such a line, bytes.
-const BODY_MAX: usize = size_of::<LnXYZ>();
+const BODY_MAX_BYTES: usize = size_of::<LnXYZ>();
 
 /// A call of such a line.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +19,7 @@ pub struct Quick<'t> {
     /// Number on the wire.
     pub opcode: u16,
     /// The packed request.
-    pub body: heapless::Vec<u8, BODY_MAX>,
+    pub body: heapless::Vec<u8, BODY_MAX_BYTES>,
     /// Laser channels that it sets something of, a bit each.
     pub lasers: u8,
 }
@@ -103,7 +103,7 @@ pub fn call(line: &str) -> Option<Quick<'_>> {
     fn packed<R: Request>(
         function: &'static str,
         request: R,
-    ) -> Option<(&'static str, u16, heapless::Vec<u8, BODY_MAX>)> {
+    ) -> Option<(&'static str, u16, heapless::Vec<u8, BODY_MAX_BYTES>)> {
         Some((function, R::OPCODE, heapless::Vec::from_slice(request.as_bytes()).ok()?))
     }
     let (function, opcode, body) = match (function, count) {

@@ -14,7 +14,7 @@ use std::ops::Range;
 /// More errors than these are not listed.
 const ERRORS_SHOWN: usize = 20;
 /// Parentheses and signs may nest this deep.
-const NESTING: usize = 100;
+const MAX_NESTING_DEPTH: usize = 100;
 pub(crate) const C_LIBRARY: &str =
     "a job script runs straight through; for loops and decisions write a program with the C library";
 
@@ -197,7 +197,7 @@ impl<'a> Reader<'a> {
 
     /// Runs `inner` one level deeper, if that is not too deep.
     pub(crate) fn nested<T>(&mut self, inner: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
-        if self.nesting >= NESTING {
+        if self.nesting >= MAX_NESTING_DEPTH {
             return Err(self.fault_here("this expression is nested too deeply", "split it"));
         }
         self.nesting += 1;

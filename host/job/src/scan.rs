@@ -13,11 +13,11 @@ use std::ops::Range;
 use std::rc::Rc;
 
 /// More tokens than these are not read: macros that double each other must not eat the memory.
-const TOKENS_MAX: usize = 4_000_000;
+const MAX_TOKENS: usize = 4_000_000;
 
 /// More names than these are not replaced: a chain of macros asked for often is more work than the
 /// text is long.
-const REPLACED_TOKENS_MAX: usize = 1_000_000;
+const MAX_REPLACED_TOKENS: usize = 1_000_000;
 /// More problems of the text than these are not listed.
 const PROBLEMS_SHOWN: usize = 20;
 /// What is said of a character that is no token.
@@ -257,8 +257,8 @@ pub fn scan(text: &str) -> Scanned {
         out.line(line);
     }
     let Expansion { out: mut tokens, replaced, pragmas, mut problems, .. } = out;
-    if tokens.len() >= TOKENS_MAX || replaced >= REPLACED_TOKENS_MAX {
-        let message = format!("this script is too long: {TOKENS_MAX} words and marks fit");
+    if tokens.len() >= MAX_TOKENS || replaced >= MAX_REPLACED_TOKENS {
+        let message = format!("this script is too long: {MAX_TOKENS} words and marks fit");
         problems.push(diagnostic(
             &lines,
             text,
@@ -326,7 +326,7 @@ impl<G: Fn(&Range<usize>) -> Range<usize>> Expansion<'_, G> {
         let mut names: HashSet<String> = HashSet::new();
         let span = token.span.clone();
         let mut next = Some(token);
-        while self.out.len() < TOKENS_MAX && self.replaced < REPLACED_TOKENS_MAX {
+        while self.out.len() < MAX_TOKENS && self.replaced < MAX_REPLACED_TOKENS {
             if let Some(token) = next.take() {
                 let is_macro = token.kind == Kind::Name && !names.contains(&token.text);
                 match self.macros.get(&token.text).filter(|_| is_macro) {

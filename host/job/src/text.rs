@@ -5,7 +5,7 @@
 use encoding_rs::{Encoding, GB18030, UTF_16BE, UTF_16LE};
 
 /// Bytes that are looked at for UTF-16 without a mark.
-const LOOKED_AT: usize = 512;
+const SNIFFED_BYTES: usize = 512;
 
 /// The text of `bytes`.
 ///
@@ -49,7 +49,7 @@ fn wide(bytes: &[u8]) -> Option<&'static Encoding> {
         [0xfe, 0xff, ..] => return Some(UTF_16BE),
         _ => {}
     }
-    let pairs = bytes.get(..LOOKED_AT.min(bytes.len() & !1))?.as_chunks::<2>().0;
+    let pairs = bytes.get(..SNIFFED_BYTES.min(bytes.len() & !1))?.as_chunks::<2>().0;
     let (mut low, mut high) = (0, 0);
     for pair in pairs {
         match pair {

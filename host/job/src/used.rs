@@ -8,7 +8,7 @@ use crate::job::{Axis, Crd};
 use std::collections::BTreeSet;
 
 /// Profiles in the parameters of a coordinate system.
-const MAPPED: usize = 8;
+const MAPPED_PROFILES: usize = 8;
 
 /// See the module text.
 #[derive(Debug, Clone, Default)]
@@ -44,7 +44,8 @@ impl Used {
             "SetCrdPrm" => {
                 self.crds.extend((nth(0) > 0).then_some(Crd { core, crd: nth(0) }));
                 // Its dimension, then what each profile drives.
-                let mapped = (1..).zip(values.clone().skip(2).take(MAPPED)).filter(|(_, (_, drives))| *drives != 0.0);
+                let mapped =
+                    (1..).zip(values.clone().skip(2).take(MAPPED_PROFILES)).filter(|(_, (_, drives))| *drives != 0.0);
                 mapped.map(|(axis, _)| Axis { core, axis }).collect()
             }
             "BufMove" | "BufGear" => (nth(1) > 0).then_some(Axis { core, axis: nth(1) }).into_iter().collect(),

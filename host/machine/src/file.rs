@@ -16,7 +16,7 @@ const PATH_AXES: RangeInclusive<i64> = 1..=8;
 /// Lasers of a machine: one for each channel of the controller (SPEC 6).
 const LASERS: usize = 2;
 /// Longest name of a laser.
-const NAME_MAX: usize = 32;
+const NAME_CHARACTERS: usize = 32;
 /// Farthest machine position, mm.
 const POSITION_MAX_MM: f64 = 100_000.0;
 
@@ -169,7 +169,7 @@ pub(crate) fn named(lasers: &[Laser], name: &str) -> Result<usize, String> {
             (_, 1) => format!("the only laser is {}", names.concat()),
             _ => format!("lasers are {}", names.join(" and ")),
         };
-        format!("is \"{}\"; {known}", name.chars().take(NAME_MAX).collect::<String>())
+        format!("is \"{}\"; {known}", name.chars().take(NAME_CHARACTERS).collect::<String>())
     })
 }
 
@@ -203,8 +203,8 @@ fn lasers(file: &File) -> Result<Vec<Laser>, Fault> {
         }
         if let Some(name) = name {
             let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_".contains(letter);
-            if !(1..=NAME_MAX).contains(&name.len()) || !name.chars().all(is_plain) {
-                let message = format!("is no name of a laser; it is 1 to {NAME_MAX} letters, digits, - and _");
+            if !(1..=NAME_CHARACTERS).contains(&name.len()) || !name.chars().all(is_plain) {
+                let message = format!("is no name of a laser; it is 1 to {NAME_CHARACTERS} letters, digits, - and _");
                 return Err((keys.span(), message));
             }
         }
@@ -219,7 +219,7 @@ fn lasers(file: &File) -> Result<Vec<Laser>, Fault> {
 }
 
 /// How like an unknown key a known one is that may be meant: 1 is equal.
-const LIKENESS_MIN: f64 = 0.8;
+const LIKENESS_MIN_SHARE: f64 = 0.8;
 
 /// The known key that an unknown one may be a misspelling of, where the reader's message is about
 /// one.
@@ -229,7 +229,7 @@ pub(crate) fn nearest_key(message: &str) -> Option<String> {
     let got = quoted.next()?;
     let likeness = |key: &str| strsim::jaro_winkler(&got.to_lowercase(), key);
     let nearest = quoted.max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-    let nearest = nearest.filter(|key| likeness(key) >= LIKENESS_MIN)?;
+    let nearest = nearest.filter(|key| likeness(key) >= LIKENESS_MIN_SHARE)?;
     Some(format!("the nearest known key is `{nearest}`"))
 }
 

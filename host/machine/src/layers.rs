@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 /// Most passes.
-const PASSES: i64 = 1000;
+const MAX_PASSES: i64 = 1000;
 
 /// A stroke's colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub enum Colour {
 /// How the light goes with the speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Shine {
+pub enum LightMode {
     /// The same energy for each mm: power in proportion to the speed.
     #[default]
     Follow,
@@ -48,7 +48,7 @@ pub struct Layer {
     /// mm/min.
     pub speed: f64,
     /// How the light goes with the speed.
-    pub light: Shine,
+    pub light: LightMode,
     /// How often its strokes are marked.
     pub passes: u32,
     /// Layers of a lower number run first.
@@ -67,7 +67,7 @@ pub(crate) struct LayerKeys {
     power: Option<Spanned<f64>>,
     speed: Option<Spanned<f64>>,
     #[serde(default)]
-    light: Shine,
+    light: LightMode,
     passes: Option<Spanned<i64>>,
     order: Option<i64>,
     #[serde(default)]
@@ -104,7 +104,7 @@ pub(crate) fn checked(
         None => return Err(missing("speed")),
         Some(value) => within(value, 0.001..=1e7, "mm/min")?,
     };
-    let passes = keys.passes.as_ref().map_or(Ok(1), |value| whole(value, 1..=PASSES, ""))?;
+    let passes = keys.passes.as_ref().map_or(Ok(1), |value| whole(value, 1..=MAX_PASSES, ""))?;
     let colour = keys.colour.as_ref().map(colour).transpose()?;
     Ok(Layer {
         name: keys.name.clone().unwrap_or_else(|| format!("layer {}", before + 1)),
@@ -176,8 +176,8 @@ pub(crate) fn show(layer: &Layer, machine: &Machine) -> String {
         return format!("layer \"{}\": {what} are not marked\n", layer.name);
     }
     let light = match layer.light {
-        Shine::Follow => "power follows the speed",
-        Shine::Constant => "power is constant",
+        LightMode::Follow => "power follows the speed",
+        LightMode::Constant => "power is constant",
     };
     format!(
         "layer \"{}\": {what}{}, {} {} at {} mm/min, {light}; {} pass{}, order {}\n",

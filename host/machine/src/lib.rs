@@ -10,7 +10,7 @@ mod layers;
 mod show;
 mod template;
 
-pub use layers::{Colour, Layer, Shine};
+pub use layers::{Colour, Layer, LightMode};
 pub use show::show;
 pub use template::{Question, is_value, questions, suit_laser, write};
 

@@ -9,10 +9,10 @@ use machine::Machine;
 use servo::path::Plane;
 
 /// Motions that are planned together, as many as in the virtual controller.
-const TOGETHER: usize = 512;
+const LOOK_AHEAD_MOTIONS: usize = 512;
 
 pub struct Estimate {
-    ahead: Box<LookAhead<TOGETHER, TOGETHER>>,
+    ahead: Box<LookAhead<LOOK_AHEAD_MOTIONS, LOOK_AHEAD_MOTIONS>>,
     at: Position,
     ms: f64,
 }

@@ -9,7 +9,7 @@ pub const ONE: i128 = 1_000_000_000_000_000;
 /// Decimals that are kept.
 pub const DECIMALS: u32 = 15;
 /// Digits before the point, at most.
-pub const WHOLE_DIGITS: usize = 9;
+pub const MAX_WHOLE_DIGITS: usize = 9;
 
 /// A quotient, rounded to the nearest; halves away from zero.
 pub fn rounded(number: i128, by: i128) -> i128 {

@@ -13,16 +13,16 @@ use machine::{Family, Laser, Limits, Machine, Mode};
 use std::fmt::Write;
 
 /// Entries of a path before it is started.
-const AHEAD: usize = 400;
+const START_ENTRIES: usize = 400;
 /// Motions that the look-ahead may hold: as many as the FIFO.
-const LOOK_AHEAD: u32 = 1024;
+const LOOK_AHEAD_MOTIONS: u32 = 1024;
 /// The slowest motion of the controller, pulse/ms.
-const SLOWEST: f64 = 1.0 / (1 << 20) as f64;
+const SPEED_MIN_PULSES_PER_MS: f64 = 1.0 / (1 << 20) as f64;
 /// The longest BufDelay, ms.
-const DELAY_MAX: u64 = 65_535;
+const DELAY_MAX_MS: u64 = 65_535;
 
 /// A picture of an arc is so near, mm.
-const PICTURE: f64 = 0.01;
+const PICTURE_TOLERANCE_MM: f64 = 0.01;
 
 /// The form of a stroke.
 #[derive(Debug, Clone, Copy)]
@@ -216,7 +216,7 @@ impl<'a> Writer<'a> {
         }
         let time = corner_ms(machine);
         let most = machine.axes.iter().map(machine::Axis::pulse_acceleration).fold(0.0, f64::max);
-        self.put(format_args!("GT_InitLookAhead(1, 0, {time}, {most}, {LOOK_AHEAD});\n"));
+        self.put(format_args!("GT_InitLookAhead(1, 0, {time}, {most}, {LOOK_AHEAD_MOTIONS});\n"));
         for laser in &machine.lasers {
             self.begin_laser(laser);
         }
@@ -253,7 +253,7 @@ impl<'a> Writer<'a> {
     /// An entry of the path is complete.
     fn entered(&mut self) {
         self.entries += 1;
-        if !self.started && self.entries >= AHEAD {
+        if !self.started && self.entries >= START_ENTRIES {
             self.started = true;
             self.text.push_str("GT_CrdStart(1, 0);\n");
         }
@@ -316,7 +316,7 @@ impl<'a> Writer<'a> {
         }
         let mut left = ms;
         while left > 0 {
-            let part = left.min(DELAY_MAX);
+            let part = left.min(DELAY_MAX_MS);
             self.put(format_args!("GT_BufDelay(1, {part}); // {line}\n"));
             self.entered();
             left -= part;
@@ -341,7 +341,7 @@ impl<'a> Writer<'a> {
         let lit = (stroke.light != Light::Dark).then_some(self.laser);
         if let Shape::Arc { axes: [a, b, across], arc } = &stroke.shape {
             let rise = to_f64(stroke.to[*across] - stroke.from[*across]);
-            let parts = arc.parts(PICTURE.min(arc.radius() / 1000.0)).min(1000);
+            let parts = arc.parts(PICTURE_TOLERANCE_MM.min(arc.radius() / 1000.0)).min(1000);
             for number in 1..parts {
                 let part = f64::from(number) / f64::from(parts);
                 let mut point = stroke.from.map(to_f64);
@@ -400,7 +400,7 @@ impl<'a> Writer<'a> {
     /// The speed and the least one.
     pub fn check_speed(&self, speed: f64) -> Result<(), String> {
         let steps = self.scales.iter().map(|scale| scale.per_mm.abs()).fold(f64::INFINITY, f64::min);
-        let least = SLOWEST / steps * 60_000.0;
+        let least = SPEED_MIN_PULSES_PER_MS / steps * 60_000.0;
         if speed * self.feed >= least {
             return Ok(());
         }

@@ -11,7 +11,7 @@ use servo::units::Pos;
 use std::io::Read;
 
 /// Fraction bits of a velocity or a power that was read: finer than six decimals.
-const FRACTION: i16 = 24;
+const FRACTION_BITS: i16 = 24;
 
 /// What a column holds, and of which axis, laser or path of the header.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ fn column(name: &str, header: &mut Header) -> Option<Column> {
 }
 
 fn scaled(value: f64) -> Scaled {
-    Scaled { m: (value * f64::from(1u32 << FRACTION)).round() as i64, e: FRACTION }
+    Scaled { m: (value * f64::from(1u32 << FRACTION_BITS)).round() as i64, e: FRACTION_BITS }
 }
 
 /// The header and all rows of a file. A last line that was cut off is left out.

@@ -23,10 +23,10 @@ use crate::decimal::{position_f64, scaled_f64};
 use crate::row::{AxisName, AxisPoint, CrdName, Header, LaserName, LaserPoint, PowerUnit, Row};
 use crate::{Result, TraceError};
 use activity::Activity;
-use canvas::{HEAD, Picture};
+use canvas::{HEADING_PX, Picture};
 use curve::Curve;
 use extra::Extra;
-use panel::{Beside, Content, FOOT, Frame, Panel};
+use panel::{Beside, Content, Frame, Panel, TIME_LABELS_PX};
 use plant::beam::SignalChange;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -105,11 +105,11 @@ impl Default for PlotOptions {
 impl PlotOptions {
     /// A curve that keeps as much as this shows.
     fn curve(&self) -> Curve {
-        Curve::new(if self.page { curve::BUCKETS_OF_A_PAGE } else { curve::BUCKETS })
+        Curve::new(if self.page { curve::PAGE_BUCKETS } else { curve::PICTURE_BUCKETS })
     }
 
     fn activity(&self, window: Window) -> Activity {
-        Activity::new(window, if self.page { activity::HIGHS_OF_A_PAGE } else { activity::HIGHS_MAX })
+        Activity::new(window, if self.page { activity::PAGE_HIGHS } else { activity::PICTURE_HIGHS })
     }
 
     fn in_mm(&self, axis: AxisName) -> Option<&Millimetres> {
@@ -427,7 +427,7 @@ impl Picture for Plot {
         let panels = self.panels();
         let height = quantity_height(&panels);
         let all: u32 = panels.iter().map(|panel| panel.height(height)).sum();
-        (self.options.width.max(480), HEAD + all + FOOT)
+        (self.options.width.max(480), HEADING_PX + all + TIME_LABELS_PX)
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()> {
@@ -437,7 +437,7 @@ impl Picture for Plot {
         let frame = Frame { span: self.time_range(), height: quantity_height(&panels), beside, scale };
         for (index, panel) in panels.iter().enumerate() {
             let last = index + 1 == panels.len();
-            let height = panel.height(frame.height) + if last { FOOT } else { 0 };
+            let height = panel.height(frame.height) + if last { TIME_LABELS_PX } else { 0 };
             let (here, next) = below.split_vertically(height * scale);
             panel.draw(&here, &frame, last)?;
             below = next;

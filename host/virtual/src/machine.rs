@@ -77,7 +77,7 @@ fn note_beam(beam: &mut Option<Vec<Beam>>, channel: usize) -> impl FnMut(SignalC
 }
 
 /// Edges that are kept until they are read; the oldest are dropped first.
-const EDGES: usize = 1 << 20;
+const KEPT_EDGES: usize = 1 << 20;
 
 /// See the module text.
 pub(crate) struct Machine<const AXES: usize> {
@@ -198,7 +198,7 @@ impl<const AXES: usize> Machine<AXES> {
         while changed != 0 {
             let bit = changed.trailing_zeros() as u8;
             changed &= changed - 1;
-            if self.edges.len() == EDGES {
+            if self.edges.len() == KEPT_EDGES {
                 self.edges.pop_front();
             }
             self.edges.push_back(Edge { at_ns, output: output(bit), level: after >> bit & 1 == 1 });

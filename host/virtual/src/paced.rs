@@ -6,22 +6,22 @@
 //! lets the client continue to [`Pace::due`]. The owner must do that often enough for the link's
 //! keep-alives. That makes nothing late: the controller catches up in its own time, tick by tick.
 //!
-//! Fails: when this machine is too slow, or the process was delayed, time beyond [`LAG`] or
-//! [`EFFORT`] is dropped. The controller's clock then lags behind the wall clock, and calls are
-//! still answered.
+//! Fails: when this machine is too slow, or the process was delayed, time beyond [`LAG_MAX`] or
+//! [`CATCH_UP_MAX`] is dropped. The controller's clock then lags behind the wall clock, and calls
+//! are still answered.
 use crate::link::{Shared, VirtualLink};
 use client::Link;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The most wall-clock time that is caught up.
-const LAG: Duration = Duration::from_millis(100);
+const LAG_MAX: Duration = Duration::from_millis(100);
 /// The most wall-clock time that catching up takes in one go.
-const EFFORT: Duration = Duration::from_millis(4);
+const CATCH_UP_MAX: Duration = Duration::from_millis(4);
 /// Controller time that is caught up between two looks at the wall clock.
 const STRIDE_NS: u64 = 5_000_000;
 /// The longest sleep between two looks.
-const NAP: Duration = Duration::from_micros(500);
+const SLEEP_MAX: Duration = Duration::from_micros(500);
 
 /// How far a board's time may have come.
 #[derive(Clone)]
@@ -42,7 +42,7 @@ impl Pace {
         let (before, due) = *state;
         let wall = Instant::now();
         let passed = (wall - before).as_nanos() as f64 * self.factor;
-        let due = (due + passed).min(now as f64 + LAG.as_nanos() as f64 * self.factor);
+        let due = (due + passed).min(now as f64 + LAG_MAX.as_nanos() as f64 * self.factor);
         *state = (wall, due);
         due as u64
     }
@@ -56,7 +56,7 @@ impl Pace {
             if behind == 0 {
                 return;
             }
-            if began.elapsed() > EFFORT {
+            if began.elapsed() > CATCH_UP_MAX {
                 let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
                 state.1 = state.1.min(at as f64);
                 return;
@@ -110,7 +110,7 @@ impl Link for PacedLink {
                 return Ok(n);
             }
             let period = self.board.lock().unwrap_or_else(PoisonError::into_inner).period_ns();
-            std::thread::sleep(self.pace.wall(period).min(NAP));
+            std::thread::sleep(self.pace.wall(period).min(SLEEP_MAX));
         }
     }
 

@@ -21,24 +21,24 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Time between two looks at the sockets.
-const TURN: Duration = Duration::from_micros(200);
+const POLL_PERIOD: Duration = Duration::from_micros(200);
 /// Controller time that one pass catches up at most, when this process was delayed. Time beyond it
 /// is dropped: the controller's clock then lags, which a client cannot tell from a slow board.
-const CATCH_UP: Duration = Duration::from_millis(20);
+const CATCH_UP_MAX: Duration = Duration::from_millis(20);
 /// Trace bytes that wait for their client at most; more are dropped, which the client sees as a
 /// gap.
-const TRACE_WAITING: usize = 16 << 20;
+const TRACE_WAITING_BYTES: usize = 16 << 20;
 
 /// A connection that has not opened a session within this time is closed.
-const OPENING: Duration = Duration::from_secs(2);
+const OPENING_TIMEOUT: Duration = Duration::from_secs(2);
 /// Connections without a session at most; one more, and the oldest is closed.
 const VISITORS: usize = 64;
 /// Bytes that one pass takes from a connection, so that a flood delays no other connection.
-const PORTION: usize = 1 << 16;
+const PORTION_BYTES: usize = 1 << 16;
 /// Reads of viewers that one pass answers at most.
-const READS: usize = 32;
+const READS_PER_PASS: usize = 32;
 /// Bytes of answers that wait for one of them at most.
-const ANSWERS: usize = 1024;
+const WAITING_ANSWER_BYTES: usize = 1024;
 
 /// A controller being served; it ends when this is dropped.
 pub struct Served {
@@ -105,10 +105,10 @@ pub fn serve_board(listener: TcpListener, trace: Option<TcpListener>, board: Sha
         let mut due = theirs.lock().unwrap_or_else(PoisonError::into_inner).now();
         while !ends.load(Ordering::Relaxed) {
             let now = Instant::now();
-            due += (now - before).min(CATCH_UP).as_nanos() as u64;
+            due += (now - before).min(CATCH_UP_MAX).as_nanos() as u64;
             before = now;
             turn(&theirs, due, &mut link, stream.as_mut());
-            std::thread::sleep(TURN);
+            std::thread::sleep(POLL_PERIOD);
         }
     });
     Ok(Served { address, trace_address, board, stop, worker: Some(worker) })
@@ -124,12 +124,12 @@ fn turn(board: &Shared, due: u64, link: &mut Wires, stream: Option<&mut Port>) {
     }
     board.take_tx(&mut link.waiting);
     link.send();
-    link.viewers.turn(READS, |record, out| board.answer_viewer(record, out));
+    link.viewers.turn(READS_PER_PASS, |record, out| board.answer_viewer(record, out));
     let mut trace = Vec::new();
     board.take_trace(&mut trace);
     if let Some(stream) = stream {
         stream.receive();
-        if stream.waiting.len() < TRACE_WAITING {
+        if stream.waiting.len() < TRACE_WAITING_BYTES {
             stream.waiting.append(&mut trace);
         }
         stream.send();
@@ -192,7 +192,8 @@ impl Wires {
         }
         for mut visitor in std::mem::take(&mut self.visitors) {
             received.clear();
-            let stays = read(&mut visitor.connection.stream, &mut received) && visitor.since.elapsed() < OPENING;
+            let stays =
+                read(&mut visitor.connection.stream, &mut received) && visitor.since.elapsed() < OPENING_TIMEOUT;
             visitor.viewer.feed(self.viewers.now(), &received);
             if visitor.viewer.is_asked() {
                 self.viewers.add(visitor.connection.stream, visitor.viewer);
@@ -229,7 +230,7 @@ impl Wires {
             let count = visitor.wire.take_tx(&mut answer);
             visitor.waiting.extend_from_slice(&answer[..count]);
             // Who does not read is not written to for ever.
-            visitor.waiting.len() <= ANSWERS && write(&mut visitor.connection.stream, &mut visitor.waiting)
+            visitor.waiting.len() <= WAITING_ANSWER_BYTES && write(&mut visitor.connection.stream, &mut visitor.waiting)
         });
     }
 }
@@ -237,7 +238,7 @@ impl Wires {
 /// Reads what is there, as much as one turn takes; false once nothing more will come.
 fn read(stream: &mut TcpStream, all: &mut Vec<u8>) -> bool {
     let mut part = [0; 4096];
-    while all.len() < PORTION {
+    while all.len() < PORTION_BYTES {
         match stream.read(&mut part) {
             Ok(n @ 1..) => all.extend_from_slice(&part[..n]),
             Err(e) if e.kind() == ErrorKind::WouldBlock => return true,

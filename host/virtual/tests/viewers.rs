@@ -15,7 +15,7 @@ use virtual_board::{Config, Served, serve};
 use zerocopy::FromBytes;
 
 /// Longest wait for what must come on a machine that is busy otherwise.
-const PATIENCE: Duration = Duration::from_secs(30);
+const WAIT_MAX: Duration = Duration::from_secs(30);
 const MS: u64 = 1_000_000;
 
 fn served() -> Served {
@@ -105,7 +105,7 @@ impl Raw {
         let began = Instant::now();
         while !is(self) {
             let lives = self.pump();
-            assert!((lives || is(self)) && began.elapsed() < PATIENCE, "{:?}", self.end.state());
+            assert!((lives || is(self)) && began.elapsed() < WAIT_MAX, "{:?}", self.end.state());
         }
     }
 
@@ -207,7 +207,7 @@ fn viewers_are_no_life_of_a_client_that_has_gone_silent() {
     assert!(is_lit(&served));
     let silent_since = now(&served);
     let (began, mut dark_at) = (Instant::now(), None);
-    while dark_at.is_none() && began.elapsed() < PATIENCE {
+    while dark_at.is_none() && began.elapsed() < WAIT_MAX {
         // One reads, one asks for light, one only says that it lives.
         let [one, two, three] = &mut viewers[..] else { panic!() };
         one.ask(&Call::of(GetClock {}), Lane::Immediate);
@@ -331,7 +331,7 @@ fn one_more_that_comes_at_once_is_told_why() {
         for (number, viewer) in viewers.iter_mut().enumerate() {
             assert!(viewer.pump(), "connection {number} was closed in {:?}", viewer.end.state());
         }
-        assert!(began.elapsed() < PATIENCE);
+        assert!(began.elapsed() < WAIT_MAX);
     }
     let open = viewers.iter().filter(|viewer| viewer.end.state() == LinkState::Open).count();
     let told = viewers.iter().filter(|viewer| match viewer.end.state() {
@@ -349,7 +349,7 @@ fn one_more_that_comes_at_once_is_told_why() {
     }
     let began = Instant::now();
     while let Err(error) = opened(&served, true) {
-        assert!(began.elapsed() < PATIENCE, "{error}");
+        assert!(began.elapsed() < WAIT_MAX, "{error}");
     }
 }
 
@@ -364,7 +364,7 @@ fn so_many_viewers_and_no_more() {
     let began = Instant::now();
     // The end of a connection is noticed in one of the next turns.
     while let Err(error) = opened(&served, true) {
-        assert!(began.elapsed() < PATIENCE, "{error}");
+        assert!(began.elapsed() < WAIT_MAX, "{error}");
     }
     // Connections that ask for nothing take nobody's place for long, and no session.
     let idle: Vec<TcpStream> = (0..100).map(|_| TcpStream::connect(served.address()).unwrap()).collect();

@@ -218,10 +218,10 @@ fn geometry() -> Hash {
 /// Paths through the look-ahead.
 fn look_ahead(room: &mut Room) -> Hash {
     let (mut chance, mut hash) = (Chance(0x5eed_0004), Hash::EMPTY);
-    let taken = |hash: &mut Hash, Planned { along, ms, others }: Planned| {
+    let taken = |hash: &mut Hash, Planned { along, ms, entries_after }: Planned| {
         hash.double(ms);
         hash.word(along.vel_bits());
-        hash.word(others.into());
+        hash.word(entries_after.into());
         hash.text(&along);
     };
     for _ in 0..12 {

@@ -69,7 +69,7 @@ impl AxisState {
     #[inline(always)]
     pub(crate) fn drive(&mut self, to: Pos) {
         self.published.pos = to;
-        self.published.moves = self.published.moves.wrapping_add(1);
+        self.published.version = self.published.version.wrapping_add(1);
     }
 
     /// Publishes its displacement within the tick, in positions of the machine, for its slaves. It

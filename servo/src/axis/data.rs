@@ -2,7 +2,7 @@
 //!
 //! In: what the thread committed and selected. Out: the [`AllowedData`] of a run, and what the view
 //! publishes of it.
-use super::{AxisState, FIFO, IN_FORCE, Jog, RING_MASK, Ramps, pt_state};
+use super::{AxisState, FIFO_SEGMENTS, IN_FORCE, Jog, RING_MASK, Ramps, pt_state};
 use crate::segment::follow;
 use crate::segment::piece::Scaled;
 use crate::segment::profile::{Generator, MotionData};
@@ -57,7 +57,7 @@ impl AxisState {
     /// Which slots the segments of a FIFO lie in, and how many passes of them there are.
     fn slots(&self, fifo: u8) -> SlotRange {
         if self.published.mode == MotionMode::PtStatic {
-            SlotRange::Static { base: if fifo == 1 { FIFO } else { 0 } }
+            SlotRange::Static { base: if fifo == 1 { FIFO_SEGMENTS } else { 0 } }
         } else {
             SlotRange::Dynamic { mask: RING_MASK, first: 0 }
         }

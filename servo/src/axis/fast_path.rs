@@ -31,10 +31,10 @@ impl AxisState {
         let fast_step = match self.scan {
             InputScan::Steady => self.go_on(next, left, published),
             // Nothing else of its view changes without being marked so.
-            InputScan::Carried if published.changes == self.published.changes => FastStep::Shown,
-            InputScan::Settled if published.moves == self.published.moves => return FastStep::Shown,
+            InputScan::Carried if published.state_version == self.published.state_version => FastStep::Shown,
+            InputScan::AtRest if published.version == self.published.version => return FastStep::Shown,
             // Each of the three buffers catches up when its turn comes.
-            InputScan::Settled => FastStep::Stale,
+            InputScan::AtRest => FastStep::Stale,
             _ => FastStep::No,
         };
         if fast_step == FastStep::Shown {
@@ -84,10 +84,10 @@ impl AxisState {
             return FastStep::Barred;
         }
         let now = &mut self.published;
-        (now.moves, now.pos) = (now.moves.wrapping_add(1), pos);
+        (now.version, now.pos) = (now.version.wrapping_add(1), pos);
         (now.motion.tau, now.motion.t) = (tau, t);
-        if published.turns != now.turns {
-            if published.changes != now.changes {
+        if published.piece_version != now.piece_version {
+            if published.state_version != now.state_version {
                 return FastStep::Stale;
             }
             published.follow_turn(now);
@@ -109,7 +109,7 @@ impl AxisState {
     /// The same for what is published of the pass.
     #[inline(never)]
     fn publish_pass(&mut self) {
-        self.published.counts = self.published.counts.wrapping_add(1);
+        self.published.progress_version = self.published.progress_version.wrapping_add(1);
         self.publish_pass_of(true);
     }
 

@@ -40,7 +40,7 @@ impl AxisState {
                 self.published.encoder = encoder;
                 true
             }
-            InputScan::Settled => encoder == self.published.encoder,
+            InputScan::AtRest => encoder == self.published.encoder,
             InputScan::None => false,
         }
     }
@@ -50,17 +50,17 @@ impl AxisState {
     #[inline(never)]
     pub(crate) fn take(&mut self, now: Ns, levels: u8, count: i64) -> bool {
         let before = self.causes.present;
-        let mut settled = true;
+        let mut at_rest = true;
         let encoder = self.inputs.encoder(count);
         if encoder != self.published.encoder_before || encoder != self.published.encoder {
-            self.published.moves = self.published.moves.wrapping_add(1);
-            settled = false;
+            self.published.version = self.published.version.wrapping_add(1);
+            at_rest = false;
         }
         if levels != self.levels {
             self.flips = levels ^ self.levels;
             (self.raw, self.levels) = (AxisInputs::of_bits(levels), levels);
             self.mark_changed();
-            settled = false;
+            at_rest = false;
         }
         self.published.encoder_before = self.published.encoder;
         self.published.encoder = encoder;
@@ -81,25 +81,25 @@ impl AxisState {
         let watched = causes | self.causes.present != 0 || self.inputs.error_limit.is_some();
         if causes | self.causes.present != 0 {
             self.latch(causes);
-            settled = false;
+            at_rest = false;
         }
         if runs {
             self.inputs.leave_position();
             self.in_position = false;
         } else {
             let (inside, waits) = self.inputs.in_position(now, self.published.pos, encoder);
-            settled &= !waits && inside == self.in_position;
+            at_rest &= !waits && inside == self.in_position;
             self.in_position = inside;
         }
         if let Some(encoder) = self.inputs.captured(levels, encoder) {
             self.published.captured = Some(encoder);
             self.mark_changed();
-            settled = false;
+            at_rest = false;
         }
         self.changed = true;
-        self.scan = match (runs, settled) {
+        self.scan = match (runs, at_rest) {
             (true, _) if !watched => InputScan::Runs,
-            (false, true) => InputScan::Settled,
+            (false, true) => InputScan::AtRest,
             _ => InputScan::None,
         };
         self.causes.present != before || self.flips != 0

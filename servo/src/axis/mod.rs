@@ -45,11 +45,11 @@ use inputs::Inputs;
 
 /// Scans until an axis that was changed prepares its next start: commands that belong together have
 /// come by then.
-const UNPREPARED: u8 = 2;
+const UNPREPARED_SCANS: u8 = 2;
 /// Segments of one static FIFO.
-const FIFO: u32 = SEGMENTS as u32 / 2;
+const FIFO_SEGMENTS: u32 = SEGMENTS as u32 / 2;
 /// Slots of the dynamic ring, less one.
-const RING_MASK: u32 = 2 * FIFO - 1;
+const RING_MASK: u32 = 2 * FIFO_SEGMENTS - 1;
 /// The negative edge of travel.
 const NEGATIVE_EDGE: Pos = Pos(-Pos::TRAVEL.0);
 
@@ -74,7 +74,7 @@ enum InputScan {
     Carried,
     /// At standstill, compare only: nothing changes until an input, the encoder or a tick command
     /// does.
-    Settled,
+    AtRest,
 }
 
 /// Whether it moves, and by what.
@@ -176,7 +176,7 @@ impl AxisState {
     #[inline]
     pub(crate) fn mark_changed(&mut self) {
         self.changed();
-        (self.scan, self.changed, self.unprepared) = (InputScan::None, true, UNPREPARED);
+        (self.scan, self.changed, self.unprepared) = (InputScan::None, true, UNPREPARED_SCANS);
         self.profile.discard_prepared();
     }
 
@@ -188,26 +188,26 @@ impl AxisState {
 
     #[inline(always)]
     fn changed(&mut self) {
-        self.published.changes = self.published.changes.wrapping_add(1);
-        self.published.moves = self.published.moves.wrapping_add(1);
+        self.published.state_version = self.published.state_version.wrapping_add(1);
+        self.published.version = self.published.version.wrapping_add(1);
     }
 
     /// It is in another piece; what is published of its data may differ, too.
     #[inline(always)]
     fn turned(&mut self) {
-        self.published.turns = self.published.turns.wrapping_add(1);
-        self.published.counts = self.published.counts.wrapping_add(1);
+        self.published.piece_version = self.published.piece_version.wrapping_add(1);
+        self.published.progress_version = self.published.progress_version.wrapping_add(1);
     }
 
     /// Brings the status word up to the tick just computed.
     #[inline(never)]
-    pub(crate) fn settle(&mut self) {
+    pub(crate) fn update_status(&mut self) {
         self.changed = false;
         let status = self.status();
         if status != self.published.status {
             self.published.status = status;
             self.changed();
-            if self.scan == InputScan::Settled {
+            if self.scan == InputScan::AtRest {
                 self.scan = InputScan::None;
             }
         }

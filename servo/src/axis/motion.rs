@@ -180,7 +180,7 @@ impl AxisState {
             stopped = self.step(next, source);
         }
         if self.changed {
-            self.settle();
+            self.update_status();
         }
         published.copy_changed(&self.published);
         stopped
@@ -197,7 +197,7 @@ impl AxisState {
         {
             return Some(reason);
         }
-        self.published.moves = self.published.moves.wrapping_add(1);
+        self.published.version = self.published.version.wrapping_add(1);
         self.published.pos = pos;
         None
     }
@@ -232,7 +232,7 @@ impl AxisState {
         {
             return Some(reason);
         }
-        self.published.moves = self.published.moves.wrapping_add(1);
+        self.published.version = self.published.version.wrapping_add(1);
         self.published.pos = pos;
         (self.published.motion.tau, self.published.motion.t) = (tau, t);
         None

@@ -196,21 +196,22 @@ impl AxisState {
     }
 
     /// The position at the tick computed if the master moved straight to `to`; None if more is to
-    /// be done. `led`: it has slaves itself. It moves `limit` units of Pos in a tick at most.
+    /// be done. `has_slaves`: it is a master itself. It moves `limit` units of Pos in a tick at
+    /// most.
     #[inline(always)]
-    pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, led: bool, limit: u64) -> bool {
+    pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, has_slaves: bool, limit: u64) -> bool {
         let from = self.published.pos;
         let watched = self.causes.present & status::FAULTS != 0;
         let Some(follower) = self.profile.follower_mut().filter(|_| !watched) else { return false };
         let begin = follower.run.piece.begin;
-        let Some((pos, tau)) = follower.fast_step(to, period, led, from) else { return false };
+        let Some((pos, tau)) = follower.fast_step(to, period, has_slaves, from) else { return false };
         let turned = follower.run.piece.begin != begin;
         if !self.bounds.hold(pos) || pos.0.abs_diff(from.0) > limit {
             return false;
         }
         let moving = follower.run.is_moving(to);
         let published = &mut self.published;
-        published.moves = published.moves.wrapping_add(1);
+        published.version = published.version.wrapping_add(1);
         (published.pos, published.motion.tau, published.master_displacement) = (pos, tau, follower.displacement);
         if turned {
             self.publish_run();
@@ -227,7 +228,7 @@ impl AxisState {
     pub(crate) fn step_follow(
         &mut self,
         master_sample: &MasterSample,
-        led: bool,
+        has_slaves: bool,
         limit: u64,
         context: (&impl FollowEntries, impl Fn(Input, u8) -> bool, &mut OutputActions),
     ) -> Option<StopReason> {
@@ -239,7 +240,7 @@ impl AxisState {
         let follower = self.profile.follower_mut()?;
         let (source, level, actions) = context;
         let mut context = FollowContext::new(&mut self.follow, source, level, actions);
-        let state = follower.step(master_sample, led, from, &mut context);
+        let state = follower.step(master_sample, has_slaves, from, &mut context);
         follower.run.find_floor(source);
         let (pos, tau) = follower.run.position();
         self.publish_run();
@@ -255,7 +256,7 @@ impl AxisState {
         if let Some(reason) = self.obstructed(next, pos, limit) {
             return Some(reason);
         }
-        self.published.moves = self.published.moves.wrapping_add(1);
+        self.published.version = self.published.version.wrapping_add(1);
         (self.published.pos, self.published.motion.tau) = (pos, tau);
         self.publish_lead();
         None

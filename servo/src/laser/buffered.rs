@@ -136,10 +136,10 @@ pub(super) enum ChannelEvent {
 
 /// Events that an interval may have: a full vertex of one path and some of the others', and the
 /// ends of all paths.
-const EVENTS: usize = 48;
+const INTERVAL_EVENTS: usize = 48;
 /// Slots reserved for ends of paths.
 const STANDSTILLS: usize = 2 * Crd::MAX;
-const _: () = assert!(EVENTS >= crate::path::EFFECTS as usize + STANDSTILLS);
+const _: () = assert!(INTERVAL_EVENTS >= crate::path::EFFECTS as usize + STANDSTILLS);
 
 /// The content of an empty slot.
 const NO_EVENT: ChannelEvent =
@@ -153,7 +153,7 @@ pub(super) struct EventQueue {
     pub(super) next: Ns,
     first: usize,
     len: usize,
-    events: [(Ns, ChannelEvent); EVENTS],
+    events: [(Ns, ChannelEvent); INTERVAL_EVENTS],
 }
 
 /// No slot left.
@@ -163,7 +163,7 @@ pub(super) struct Full;
 impl EventQueue {
     /// Nothing to come.
     pub(super) const EMPTY: EventQueue =
-        EventQueue { next: NEVER, first: 0, len: 0, events: [(NEVER, NO_EVENT); EVENTS] };
+        EventQueue { next: NEVER, first: 0, len: 0, events: [(NEVER, NO_EVENT); INTERVAL_EVENTS] };
 
     /// Whether there is none.
     #[inline(always)]
@@ -181,7 +181,7 @@ impl EventQueue {
     #[inline]
     pub(super) fn has_room(&self) -> bool {
         let len = if self.is_empty() { 0 } else { self.len };
-        len.wrapping_add(STANDSTILLS) < EVENTS
+        len.wrapping_add(STANDSTILLS) < INTERVAL_EVENTS
     }
 
     /// One more.
@@ -190,7 +190,7 @@ impl EventQueue {
             (self.first, self.len) = (0, 0);
         }
         let mut slot = self.len;
-        if slot >= EVENTS {
+        if slot >= INTERVAL_EVENTS {
             return Err(Full);
         }
         while let Some(before) = slot.checked_sub(1).filter(|before| *before >= self.first)

@@ -14,7 +14,7 @@ use crate::segment::follow::share;
 use crate::units::Ns;
 
 /// The share of a new velocity in a tick without a filter.
-const ALL: u64 = u64::MAX;
+const FULL_SHARE_Q64: u64 = u64::MAX;
 
 /// The inverse of a filter's time constant, in 2⁻⁶⁴ per ns; 0 is none, no filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +46,7 @@ crate::state! {
         /// The period for which `share` was computed.
         period: Ns = Ns(0),
         /// The share of a new velocity in a tick, 2⁻⁶⁴.
-        share: u64 = ALL,
+        share: u64 = FULL_SHARE_Q64,
         /// 2⁻²⁸ pulse a tick.
         velocity: [i64; 4] = [0; 4],
     }
@@ -72,13 +72,13 @@ impl EncoderSpeed {
         }
         self.used |= follows;
         let goes_on = now == self.next && (self.used || self.begins);
-        let share = if goes_on { self.share } else { ALL };
+        let share = if goes_on { self.share } else { FULL_SHARE_Q64 };
         self.begins = false;
         self.next = Ns(now.0.wrapping_add(period.0));
         for (velocity, by) in self.velocity.iter_mut().zip(pulses) {
             let new = by.clamp(-(u32::MAX as i64), u32::MAX as i64) << PathSpeed::COUNT_BITS;
             *velocity = match share {
-                ALL => new,
+                FULL_SHARE_Q64 => new,
                 // Twice the gap, and half of the remainder: to the nearest.
                 _ => velocity.wrapping_add(mulhi_su(new.wrapping_sub(*velocity) << 1, share).wrapping_add(1) >> 1),
             };
@@ -93,7 +93,7 @@ impl FilterRate {
     fn share(self, period: Ns) -> u64 {
         let mut u = (self.0 as u128).wrapping_mul(period.0 as u128);
         if self.0 == 0 || u >> 64 >= 44 {
-            return ALL;
+            return FULL_SHARE_Q64;
         }
         // exp(−u) is the square of exp(−u/2), and so on: the series needs u below a quarter.
         let mut halved = 0;
@@ -147,7 +147,7 @@ mod tests {
                 assert!(&off < want.magnitude(), "{tau_us} us, tick {us} us: {share}, not {want}");
             }
         }
-        assert_eq!(FilterRate::NONE.share(Ns(10_000)), ALL);
+        assert_eq!(FilterRate::NONE.share(Ns(10_000)), FULL_SHARE_Q64);
     }
 
     /// A step of the velocity has arrived to 1 − 1/e after the time constant, whatever the tick is.

@@ -182,9 +182,9 @@ impl Carrier {
     #[inline(never)]
     fn long_share(&self, power: Power) -> Count {
         // raw·2^13 is power/128 in 2^-64, and 1.28 of it power/100.
-        const POINT_28: u64 = (28u128 * (1 << 64) / 100) as u64;
+        const POINT_28_PERCENT_Q64: u64 = (28u128 * (1 << 64) / 100) as u64;
         let of_128 = (power.raw() as u64) << 13;
-        let part = of_128.wrapping_add(umulhi(of_128, POINT_28));
+        let part = of_128.wrapping_add(umulhi(of_128, POINT_28_PERCENT_Q64));
         let Count { whole, .. } = self.period();
         let (high, low) = umul(whole, part);
         let (sum, carry) = low.overflowing_add(umul((self.fraction as u64) << 32, part).0);

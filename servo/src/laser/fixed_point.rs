@@ -32,7 +32,7 @@ pub(super) fn float(bits: u64) -> Result<Float, Refused> {
 }
 
 /// The largest part of a power, 2⁻⁴⁴: four of them are a number.
-pub(super) const POWER_PART_MAX: i64 = 1 << 61;
+pub(super) const POWER_PART_MAX_RAW: i64 = 1 << 61;
 
 /// a·b.
 #[inline(always)]
@@ -113,7 +113,7 @@ fn halved(twice: i64) -> i64 {
     (twice >> 1).wrapping_add(twice & 1)
 }
 
-/// x·2^-shift to the nearest, held in ±[`POWER_PART_MAX`]; shift from 1 to 127.
+/// x·2^-shift to the nearest, held in ±[`POWER_PART_MAX_RAW`]; shift from 1 to 127.
 #[inline(always)]
 pub(super) fn part(x: i128, shift: u32) -> i64 {
     let sign = (x >> 127) as u32;
@@ -127,7 +127,8 @@ pub(super) fn unsigned_part(high: u64, low: u64, shift: u32) -> i64 {
     shifted(high, low, 0, shift)
 }
 
-/// x·2^-shift to the nearest, held in ±[`POWER_PART_MAX`]; the number is sign-extended without end.
+/// x·2^-shift to the nearest, held in ±[`POWER_PART_MAX_RAW`]; the number is sign-extended without
+/// end.
 #[inline(always)]
 fn shifted(high: u64, low: u64, sign: u32, shift: u32) -> i64 {
     // One bit more than requested, then half of (it + 1).
@@ -157,7 +158,7 @@ fn cut([a, b, c, d]: [u32; 4], sign: u32, shift: u32) -> i64 {
     let (low, high, over) = (join(a, b), join(b, c), (join(c, d) ^ sign) | (join(d, sign) ^ sign));
     // Within ±2^62 the upper bits are all the sign.
     if over | (high ^ sign) >> 30 != 0 {
-        return if sign == 0 { POWER_PART_MAX } else { -POWER_PART_MAX };
+        return if sign == 0 { POWER_PART_MAX_RAW } else { -POWER_PART_MAX_RAW };
     }
     let twice = ((high as u64) << 32 | low as u64) as i64;
     (twice >> 1).wrapping_add(twice & 1)

@@ -57,7 +57,7 @@ pub use light_owner::Ignored;
 pub(crate) use light_owner::PathRun;
 pub use power::{Power, PowerBounds, Refused};
 pub use power_law::Family;
-pub(crate) use power_tables::ANALOG;
+pub(crate) use power_tables::ANALOG_OUTPUTS;
 pub use power_tables::{BANKS, Curve, DISTANCES, NODES, POINTS, POWER_TABLES, PowerTables};
 pub use published::LaserView;
 pub use safety::Cause;

@@ -136,11 +136,11 @@ pub struct PowerTables {
     limits: Store<2, { CHANNELS * BANKS * DISTANCES }>,
     /// Analog outputs as SetDac and paths have set them; written by the tick. 0 for one that a
     /// laser has taken.
-    analog: Store<1, ANALOG>,
+    analog: Store<1, ANALOG_OUTPUTS>,
 }
 
 /// Analog outputs, of which the first are those of the laser channels.
-pub(crate) const ANALOG: usize = 8;
+pub(crate) const ANALOG_OUTPUTS: usize = 8;
 
 impl PowerTables {
     /// All tables empty.
@@ -151,12 +151,12 @@ impl PowerTables {
 
     /// The last value of an analog output, from 0, −32768…32767 for −10…10 V.
     pub fn analog(&self, output: usize) -> i16 {
-        if output < ANALOG { self.analog.word(output as u32, 0) as i16 } else { 0 }
+        if output < ANALOG_OUTPUTS { self.analog.word(output as u32, 0) as i16 } else { 0 }
     }
 
     /// An analog output was set.
     pub(crate) fn set_analog(&self, output: u8, value: i16) {
-        if (output as usize) < ANALOG {
+        if (output as usize) < ANALOG_OUTPUTS {
             self.analog.write(output as u32, [value as u16 as u32]);
         }
     }
@@ -275,7 +275,7 @@ impl PowerTables {
 
     /// The ratio of a plane between its nodes; u and v count lines in 2⁻⁴⁴.
     pub(super) fn plane(&self, channel: u8, bank: u8, lines: usize, u: i64, v: i64) -> i64 {
-        const PART: i64 = (1 << Power::FRAC_BITS) - 1;
+        const PART_MASK: i64 = (1 << Power::FRAC_BITS) - 1;
         let (iu, iv) = ((u >> Power::FRAC_BITS) as usize, (v >> Power::FRAC_BITS) as usize);
         let value = |iu: usize, iv: usize| {
             let [low, high] = node(channel, bank, iu.wrapping_add(iv.wrapping_mul(lines)))
@@ -286,7 +286,7 @@ impl PowerTables {
             let by = product(b.wrapping_sub(a), part);
             a.wrapping_add(narrow(by, Power::FRAC_BITS as i32))
         };
-        let (fu, fv) = (u & PART, v & PART);
+        let (fu, fv) = (u & PART_MASK, v & PART_MASK);
         let row = |iv: usize| {
             let a = value(iu, iv);
             if fu == 0 { a } else { mix(a, value(iu.wrapping_add(1), iv), fu) }

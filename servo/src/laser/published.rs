@@ -7,11 +7,11 @@ state! {
     #[derive(Debug, Clone, Copy)]
     pub struct LaserView {
         /// Counts changes of anything here but `on_time`.
-        pub moves: u32 = 0,
+        pub version: u32 = 0,
         /// Counts changes of anything but the power in light and the width of its pulses.
-        pub turns: u32 = 0,
+        pub settings_version: u32 = 0,
         /// Counts changes of anything but the outputs: the fields from `commanded` to `train`.
-        pub changes: u32 = 0,
+        pub state_version: u32 = 0,
         /// The command: on or off.
         pub commanded: bool = false,
         /// The gate, after its delays.
@@ -76,28 +76,28 @@ impl LaserView {
     /// The same light has another power, and pulses of another width.
     #[inline(always)]
     pub(crate) fn take_power(&mut self, power: Power, width: Count) {
-        (self.moves, self.power, self.train.width) = (self.moves.wrapping_add(1), power, width);
+        (self.version, self.power, self.train.width) = (self.version.wrapping_add(1), power, width);
     }
 
     /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
     pub(crate) fn copy_changed(&mut self, now: &LaserView) {
         self.on_time = now.on_time;
-        if self.moves != now.moves {
-            if self.turns != now.turns {
+        if self.version != now.version {
+            if self.settings_version != now.settings_version {
                 self.follow_moves(now);
             }
-            (self.moves, self.power, self.train.width) = (now.moves, now.power, now.train.width);
+            (self.version, self.power, self.train.width) = (now.version, now.power, now.train.width);
         }
     }
 
     #[inline(never)]
     fn follow_moves(&mut self, now: &LaserView) {
-        if self.changes != now.changes {
+        if self.state_version != now.state_version {
             *self = *now;
             return;
         }
-        self.turns = now.turns;
+        self.settings_version = now.settings_version;
         (self.commanded, self.gate, self.switch) = (now.commanded, now.gate, now.switch);
         (self.light, self.limited, self.owners) = (now.light, now.limited, now.owners);
         self.limits = now.limits;

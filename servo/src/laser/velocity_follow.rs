@@ -70,7 +70,7 @@ impl SpeedGain {
     pub(super) const NONE: SpeedGain = SpeedGain { m: 0, cut: PreparedShift::of(64), shift: 64 };
 
     /// ratio·v in 2⁻⁴⁴ to half a unit; held at
-    /// [`POWER_PART_MAX`](super::fixed_point::POWER_PART_MAX).
+    /// [`POWER_PART_MAX_RAW`](super::fixed_point::POWER_PART_MAX_RAW).
     #[inline(always)]
     pub(super) fn power(self, speed: PathSpeed) -> i64 {
         match self.cut.product(speed.raw(), self.m) {

@@ -14,7 +14,7 @@ const PI: u128 = 0x6487_ED51_10B4_611A_6263_3145_C06E_0E68;
 const TAU: u64 = (PI >> 64) as u64;
 
 /// 4/3 in 2⁻³⁰.
-const FOUR_THIRDS: u32 = ((1u64 << 32) / 3) as u32;
+const FOUR_THIRDS_Q32: u32 = ((1u64 << 32) / 3) as u32;
 
 /// Product of two numbers in 2⁻¹²⁵, a few units too small.
 const fn product(a: u128, b: u128) -> u128 {
@@ -70,7 +70,7 @@ pub(crate) fn sin_cos(turn: u64) -> (i64, i64) {
     let square = umulhi(x.unsigned_abs(), x.unsigned_abs());
     // q: δ²/6 in 2⁻⁴⁷, which is δ²/12 in 2⁻⁴⁸; q·δ² in 2⁻⁵⁹ of the first
     let short = (square >> 28) as u32;
-    let q = (product32(short, FOUR_THIRDS) >> 30) as u32;
+    let q = (product32(short, FOUR_THIRDS_Q32) >> 30) as u32;
     let next = (product32(q, short) >> 32) as u32;
     let part = |n: u32| (product32(next, u32::MAX / n) >> 44) as u32;
     // sin δ = δ − δ·δ²/6·(1 − δ²/20), in 2⁻⁶⁸

@@ -9,7 +9,7 @@
 use core::sync::atomic::{AtomicU16, Ordering};
 
 /// Slots that are made dark at once before a start.
-const AT_ONCE: usize = 64;
+const DARK_AT_ONCE_SLOTS: usize = 64;
 
 /// A slot: length − 1, repetitions − 1, and compare registers.
 type Slot<const WORDS: usize> = [AtomicU16; WORDS];
@@ -55,7 +55,7 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
 
     /// Before a start: makes some more slots dark; true once all are.
     pub fn clear(&mut self) -> bool {
-        let end = self.lit.wrapping_add(AT_ONCE).min(SLOTS);
+        let end = self.lit.wrapping_add(DARK_AT_ONCE_SLOTS).min(SLOTS);
         let slots = self.slots.get(self.lit..end).unwrap_or_default();
         slots.iter().for_each(|slot| Self::darken(slot, self.dark));
         self.lit = end;
@@ -114,17 +114,24 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
         self.last = [self.last[1], length.wrapping_mul(times)];
     }
 
-    /// Queues three cycles of these lengths, with the half-words of their compare registers. False,
-    /// and queues none, if there are no three slots in a row.
+    /// Queues three cycles of these lengths, with the half-words of their compare registers.
     #[inline(always)]
-    pub fn put_three<const N: usize>(&mut self, lengths: [u32; 3], compare: impl Fn(u32) -> [u32; N]) -> bool {
-        let Some((slots, free)) = self.free.split_first_chunk::<3>() else { return false };
+    pub fn put_three<const N: usize>(&mut self, lengths: [u32; 3], compare: impl Fn(u32) -> [u32; N]) {
+        let Some((slots, free)) = self.free.split_first_chunk::<3>() else {
+            return self.put_apart(lengths, compare);
+        };
         for (slot, length) in slots.iter().zip(lengths) {
             Self::write(slot, length, 1, compare(length));
         }
         let [_, last @ ..] = lengths;
         (self.free, self.last) = (free, last);
-        true
+    }
+
+    /// The same where the ring ends between them.
+    #[cold]
+    #[inline(never)]
+    fn put_apart<const N: usize>(&mut self, lengths: [u32; 3], compare: impl Fn(u32) -> [u32; N]) {
+        lengths.into_iter().for_each(|length| self.put(length, 1, compare(length)));
     }
 
     #[inline(always)]

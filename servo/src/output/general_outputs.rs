@@ -9,7 +9,7 @@ use crate::port::Port;
 use crate::units::{Crd, DoGroup};
 
 /// One at each instant at which a path may carry out something.
-const ROOM: usize = Crd::MAX * INSTANTS as usize;
+const OUTPUT_SLOTS: usize = Crd::MAX * INSTANTS as usize;
 
 /// What changes.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +55,7 @@ pub(crate) enum Set {
 /// The changes of one tick.
 #[derive(Debug)]
 pub(crate) struct OutputEdges {
-    list: [(u32, OutputChange); ROOM],
+    list: [(u32, OutputChange); OUTPUT_SLOTS],
     count: usize,
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct OutputLevels {
 
 impl OutputEdges {
     pub(crate) const NONE: OutputEdges =
-        OutputEdges { list: [(0, OutputChange::Analog { channel: 0, value: 0 }); ROOM], count: 0 };
+        OutputEdges { list: [(0, OutputChange::Analog { channel: 0, value: 0 }); OUTPUT_SLOTS], count: 0 };
 
     pub(crate) fn is_empty(&self) -> bool {
         self.count == 0
@@ -77,7 +77,7 @@ impl OutputEdges {
 
     /// Whether there is room for one more change.
     pub(crate) fn has_room(&self) -> bool {
-        self.count < ROOM
+        self.count < OUTPUT_SLOTS
     }
 
     /// A change `at` ns after the tick computed; after those of the same instant, of which it may
@@ -92,7 +92,7 @@ impl OutputEdges {
         {
             return;
         }
-        let mut slot = self.count.min(ROOM - 1);
+        let mut slot = self.count.min(OUTPUT_SLOTS - 1);
         self.count = slot + 1;
         while slot > 0
             && let Some(&before) = self.list.get(slot - 1)

@@ -14,7 +14,7 @@ use super::delay_line::DelayLine;
 use crate::laser::{Action, FINISH_NS, Pattern, PulseRate, Train};
 
 /// The end of a period that is paused.
-const NEVER: u64 = u64::MAX;
+const NEVER_COUNTS: u64 = u64::MAX;
 
 /// The shortest cycle, in counts: 350 ns at 240 MHz, in which DMA brings three half-words.
 pub const MIN_COUNTS: u32 = 84;
@@ -107,9 +107,7 @@ impl PwmCycles {
         let counts = (to.saturating_sub(self.begin) as u32).saturating_sub(MIN_COUNTS);
         let is_dark = self.train.is_none() && !self.runs && self.next.is_none() && self.until <= self.begin;
         let Some(lengths) = long_and_two_short(counts, MIN_COUNTS).filter(|_| is_dark) else { return false };
-        if !ring.put_three(lengths, |_| [0]) {
-            return false;
-        }
+        ring.put_three(lengths, |_| [0]);
         (self.begin, self.known) = (self.begin.wrapping_add(counts.into()), to);
         true
     }
@@ -141,7 +139,7 @@ impl PwmCycles {
         }
         self.train = *train;
         if self.runs && !train.is_none() {
-            if self.period_end == NEVER {
+            if self.period_end == NEVER_COUNTS {
                 // The remainder of a pause is not where another train begins.
                 self.begins = at;
             }
@@ -153,7 +151,7 @@ impl PwmCycles {
     /// Pulses go on at another rate, in phase, or pause.
     #[inline(never)]
     fn take_rate(&mut self, at: u64, rate: &PulseRate) {
-        let is_paused = self.runs && self.period_end == NEVER;
+        let is_paused = self.runs && self.period_end == NEVER_COUNTS;
         let left = match (self.runs, is_paused) {
             (false, _) => 0,
             // The remainder of a paused period is stored where none begins.
@@ -163,7 +161,7 @@ impl PwmCycles {
         self.train = rate.train();
         if rate.is_pause() {
             if self.runs {
-                (self.begins, self.period_end) = (left, NEVER);
+                (self.begins, self.period_end) = (left, NEVER_COUNTS);
             }
             return;
         }

@@ -131,7 +131,7 @@ impl<const WIDTH: usize> StepOutput<WIDTH> {
             (steps, total) = (steps | *count, total.wrapping_add(*count));
         }
         if steps != 0 {
-            if total.wrapping_mul(STEP_COST) < slots.wrapping_mul(SLOT_COST) {
+            if total.wrapping_mul(STEP_CYCLES) < slots.wrapping_mul(SLOT_CYCLES) {
                 write_edges::<WIDTH>(&counts, &from, slots, ring, at);
             } else if waits == 0 && slots <= block(slots) {
                 spread::<WIDTH>(&counts, slots, ring, at);
@@ -151,8 +151,8 @@ impl<const WIDTH: usize> StepOutput<WIDTH> {
 
 /// Cycles of a step that is written alone, of which two loads from memory that is not cached take
 /// half, and of a slot in which all axes are counted.
-const STEP_COST: u32 = 40;
-const SLOT_COST: u32 = 23;
+const STEP_CYCLES: u32 = 40;
+const SLOT_CYCLES: u32 = 23;
 
 /// Writes the words of a tick in which few slots have a step: the closed form of the module text,
 /// from step to step. The steps of an axis lie after slot `from`.

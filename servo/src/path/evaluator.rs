@@ -41,7 +41,7 @@ pub const EFFECTS: u32 = 32;
 /// Instants of a tick at which they take effect.
 pub(crate) const INSTANTS: u32 = 8;
 /// Motions entered in a tick; the same holds.
-const MOTIONS: u32 = 32;
+const TICK_MOTIONS: u32 = 32;
 /// The present state of the path.
 #[derive(Debug, Clone, Copy)]
 enum PathStage {
@@ -70,17 +70,17 @@ state! {
     #[repr(C)]
     pub struct Path {
         stage: PathStage = PathStage::Standstill,
-        stand: MotionPosition = MotionPosition::NONE,
-        swept: TravelledLength = TravelledLength { length: None, past: SampledPosition::NONE },
+        motion_position: MotionPosition = MotionPosition::NONE,
+        travelled: TravelledLength = TravelledLength { length: None, past: SampledPosition::NONE },
         /// The end of the FIFO, if nothing followed the motion in force when it was planned.
-        open: Option<u32> = None,
+        open_end: Option<u32> = None,
         fifo: u8 = 0,
-        fast: FastPath = FastPath { publishes: false, turn: FastPathCase::Else },
+        fast: FastPath = FastPath { publishes: false, at_phase_end: FastPathCase::Else },
         /// What is published has to be written as a whole.
-        pub(crate) fresh: bool = true,
+        pub(crate) publish_whole: bool = true,
         /// Whether a coordinate has slaves; then the motion between samples is kept: up to the last
         /// one, and since.
-        led: bool = false,
+        has_slaves: bool = false,
         stopping: bool = false,
         pieces: Pieces = Pieces {
             made: false,
@@ -89,7 +89,7 @@ state! {
         },
         /// Its position after the end of the phase in force, if the next motion begins there
         /// (`fast`).
-        coming: MotionPosition = MotionPosition::NONE,
+        next_position: MotionPosition = MotionPosition::NONE,
         /// The instant up to which all boundaries have been passed, and the speed there.
         time: FineNs = 0,
         speed: Float = Float::ZERO,
@@ -97,7 +97,7 @@ state! {
         /// The motion in force, and the one after it, made ahead in ticks that have time for it.
         motions: Pair<Prepared> = Pair { at: 0, both: [Prepared::NONE; 2] },
         /// Its position while it does not move.
-        here: PathPos = ORIGIN,
+        rest_position: PathPos = ORIGIN,
         /// Holds for all motions; a change acts on the motion in force with [`Path::replan`].
         pub rules: PathSettings = PathSettings::POWER_ON,
         planning: Planning = Planning { unfinished: false, draft: GeometryStep::Nothing, speed_draft: SpeedPlanDraft::NONE },
@@ -106,7 +106,7 @@ state! {
         prepared: Option<u8> = None,
         /// The motion up to the last sample.
         pub(crate) trajectory: TrajectorySample = TrajectorySample::NONE,
-        since: TrajectorySample = TrajectorySample::NONE,
+        trajectory_since: TrajectorySample = TrajectorySample::NONE,
     }
     /// At standstill in the origin, FIFOs empty.
     pub const IDLE;
@@ -175,7 +175,7 @@ struct FastPath {
     /// Publish the position.
     publishes: bool,
     /// Pass the end of the phase in force.
-    turn: FastPathCase,
+    at_phase_end: FastPathCase,
 }
 
 /// The part of a motion that is being made.
@@ -237,7 +237,7 @@ state! {
         shape: MotionGeometry = MotionGeometry::NONE,
         plan: SpeedPlan = SpeedPlan::NONE,
         /// The end of the FIFO, if nothing followed it when its plan was begun.
-        open: Option<u32> = None,
+        open_end: Option<u32> = None,
     }
     const NONE;
 }
@@ -270,7 +270,7 @@ struct WalkBudget {
 impl WalkBudget {
     /// Of a tick; the path goes on at its end if this is not enough.
     fn new(hold: FineNs) -> WalkBudget {
-        WalkBudget { effects: EFFECTS, instants: INSTANTS, last: FineNs::MAX, motions: MOTIONS, hold }
+        WalkBudget { effects: EFFECTS, instants: INSTANTS, last: FineNs::MAX, motions: TICK_MOTIONS, hold }
     }
 
     /// Whether an effect of this load at this instant is carried out in this tick.
@@ -294,35 +294,36 @@ impl Path {
         // stay; they are not read before they are made anew.
         let Path {
             stage,
-            stand,
-            swept: TravelledLength { length, past: _ },
-            open,
+            motion_position,
+            travelled: TravelledLength { length, past: _ },
+            open_end,
             fifo,
             fast,
-            fresh,
-            led,
+            publish_whole,
+            has_slaves,
             stopping,
             pieces: Pieces { made, pair: _, follows },
-            coming: _,
+            next_position: _,
             time,
             speed,
             cursors,
             motions,
-            here,
+            rest_position,
             rules: _,
             planning: Planning { unfinished, draft: _, speed_draft: _ },
             prepared,
             trajectory,
-            since,
+            trajectory_since,
         } = self;
         let on = &Path::IDLE;
-        (*stage, *stand, *length, *open, *fifo) = (on.stage, on.stand, None, on.open, on.fifo);
-        (*made, *fresh, *led, *stopping) = (false, on.fresh, on.led, on.stopping);
+        (*stage, *motion_position, *length, *open_end, *fifo) =
+            (on.stage, on.motion_position, None, on.open_end, on.fifo);
+        (*made, *publish_whole, *has_slaves, *stopping) = (false, on.publish_whole, on.has_slaves, on.stopping);
         (*unfinished, *fast, *follows) = (false, on.fast, None);
-        (*time, *speed, *here, *prepared) = (on.time, on.speed, at, on.prepared);
+        (*time, *speed, *rest_position, *prepared) = (on.time, on.speed, at, on.prepared);
         cursors.iter_mut().for_each(Cursor::clear);
         motions.both.iter_mut().for_each(|made| made.state = Preparation::Nothing);
-        (trajectory.count, trajectory.turns, since.count) = (0, [None; DIMENSIONS], 0);
+        (trajectory.count, trajectory.turns, trajectory_since.count) = (0, [None; DIMENSIONS], 0);
     }
 
     /// Empties a FIFO at standstill.
@@ -334,12 +335,12 @@ impl Path {
     /// At standstill, its position gets the name `here`: its axes have other user positions now.
     pub fn rename(&mut self, here: PathPos) {
         self.discard_prepared();
-        (self.here, self.fresh) = (here, true);
+        (self.rest_position, self.publish_whole) = (here, true);
     }
 
     /// Its position while it does not move.
     pub fn here(&self) -> PathPos {
-        self.here
+        self.rest_position
     }
 
     /// Whether a start with this FIFO continues where the FIFO was interrupted.
@@ -349,12 +350,12 @@ impl Path {
 
     /// Whether the motion of the coordinates between ticks is needed from now on.
     #[inline(always)]
-    pub fn watch(&mut self, led: bool) {
-        if led && !self.led {
-            self.since.count = 0;
+    pub fn watch(&mut self, has_slaves: bool) {
+        if has_slaves && !self.has_slaves {
+            self.trajectory_since.count = 0;
         }
-        if led != self.led {
-            self.led = led;
+        if has_slaves != self.has_slaves {
+            self.has_slaves = has_slaves;
             self.decide_fast_path();
         }
     }
@@ -420,7 +421,7 @@ impl Path {
         let cursor = self.cursor_of(fifo);
         let empty = !cursor.inside && cursor.left == 0 && cursor.next == end_of(feed, fifo);
         let far = |(left, here): (&Pos, &Pos)| left.0.abs_diff(here.0) > 1 << Pos::FRAC_BITS;
-        self.runs() || empty || cursor.kept && cursor.position.iter().zip(&self.here).any(far)
+        self.runs() || empty || cursor.kept && cursor.position.iter().zip(&self.rest_position).any(far)
     }
 
     /// Begins, or goes on, at `next`.
@@ -445,7 +446,7 @@ impl Path {
                 return;
             }
             self.enter(from, counter, &source.entry(fifo, counter).item());
-            (self.stand.distance, self.stand.sampled) = (distance, distance.round());
+            (self.motion_position.distance, self.motion_position.sampled) = (distance, distance.round());
             self.plan_remainder(feed, source);
         }
     }
@@ -478,11 +479,11 @@ impl Path {
             self.walk(now.wrapping_add(1), &mut budget, feed, source, sink);
             has_time = false;
         }
-        let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.stand.sampled);
+        let (fifo, done, before) = (self.fifo, self.done(self.fifo), self.motion_position.sampled);
         let released = [self.released(0), self.released(1)];
         if self.look(next, report) {
             let geared = self.cursor_of(fifo).geared != 0;
-            let distance = if geared { self.distance_at(now) } else { self.stand.sampled.into() };
+            let distance = if geared { self.distance_at(now) } else { self.motion_position.sampled.into() };
             if !self.admits(report.position, distance, sink) {
                 self.hold(now, (self.sampled(before), distance), sink, feed);
                 self.look(next, report);
@@ -527,13 +528,13 @@ impl Path {
 
     /// What is published has to be written as a whole.
     pub fn is_fresh(&self) -> bool {
-        self.fresh
+        self.publish_whole
     }
 
     /// Whether a boundary lies at or before `next`.
     #[inline(always)]
     pub fn is_due(&self, next: Ns) -> bool {
-        self.stand.over <= (next.0 as FineNs) << 32
+        self.motion_position.over <= (next.0 as FineNs) << 32
     }
 
     /// Whether one lies before `next + period`.
@@ -545,13 +546,13 @@ impl Path {
     /// Whether one lies before `until`.
     #[inline(always)]
     pub(crate) fn is_due_until(&self, until: Ns) -> bool {
-        ((self.stand.over >> 32) as u64) < until.0
+        ((self.motion_position.over >> 32) as u64) < until.0
     }
 
     /// Whether data has come where the FIFO had ended.
     #[inline(always)]
     fn has_changed(&self, feed: FifoEnds) -> bool {
-        self.open.is_some_and(|sampled| sampled != end_of(feed, self.fifo))
+        self.open_end.is_some_and(|sampled| sampled != end_of(feed, self.fifo))
     }
 }
 

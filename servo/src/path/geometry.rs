@@ -83,15 +83,15 @@ impl Curvature {
 
 #[derive(Debug, Clone, Copy)]
 enum ShapeKind {
-    /// Unit vector in 2⁻⁶¹, plus [`BIAS`]: no factor is negative. All but the first `coordinates`
-    /// of it are 0.
+    /// Unit vector in 2⁻⁶¹, plus [`ONE_Q61`]: no factor is negative. All but the first
+    /// `coordinates` of it are 0.
     Line { unit: [u64; DIMENSIONS], heading: [i32; DIMENSIONS], coordinates: u8 },
     /// V and R in 2⁻³⁰ pulse, V/R in 2⁻³⁰; turns per pulse in 2^-(64 + shift).
     Arc { plane: Plane, ccw: bool, vector: [i64; 2], radius: i64, radial: [i32; 2], rate: u64, shift: i32 },
 }
 
 /// 1 in 2⁻⁶¹.
-const BIAS: u64 = 1 << 61;
+const ONE_Q61: u64 = 1 << 61;
 
 impl ShapeKind {
     fn arc(plane: Plane, ccw: bool, vector: [i64; 2], radius: Float, turns: Float) -> ShapeKind {
@@ -123,7 +123,7 @@ crate::state! {
         pub(super) end: PathPos = [Pos(0); DIMENSIONS],
         /// Pulses.
         pub(super) length: Float = Float::ZERO,
-        geometry: ShapeKind = ShapeKind::Line { unit: [BIAS; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
+        geometry: ShapeKind = ShapeKind::Line { unit: [ONE_Q61; DIMENSIONS], heading: [0; DIMENSIONS], coordinates: 0 },
     }
     pub(super) const NONE;
 }
@@ -209,7 +209,7 @@ impl MotionGeometry {
         let inverse = self.length.recip();
         let unit = distance.map(|x| if x == 0 { 0 } else { half(x).scale(1).mul(inverse).to_i64(61) });
         let coordinates = distance.iter().rposition(|x| *x != 0).map_or(0, |last| last as u8 + 1);
-        let (heading, unit) = (unit.map(|x| (x >> 31) as i32), unit.map(|x| BIAS.wrapping_add_signed(x)));
+        let (heading, unit) = (unit.map(|x| (x >> 31) as i32), unit.map(|x| ONE_Q61.wrapping_add_signed(x)));
         self.geometry = ShapeKind::Line { unit, heading, coordinates };
         GeometryStep::Nothing
     }

@@ -6,11 +6,11 @@
 use crate::math::float::Float;
 
 /// Exponent of a double whose code is 0.
-const BASE: u64 = 1023 - 48;
+const BASE_EXPONENT: u64 = 1023 - 48;
 
 /// A double with `mantissa` bits of mantissa; 0 for those below 2⁻⁴⁷.
 pub(super) fn pack(bits: u64, mantissa: u32) -> u64 {
-    let wide = bits.saturating_sub(BASE << 52);
+    let wide = bits.saturating_sub(BASE_EXPONENT << 52);
     if wide >> 52 == 0 {
         return 0;
     }
@@ -19,7 +19,7 @@ pub(super) fn pack(bits: u64, mantissa: u32) -> u64 {
 
 /// The inverse of [`pack`].
 pub(super) fn unpack(packed: u64, mantissa: u32) -> u64 {
-    if packed == 0 { 0 } else { (packed << (52 - mantissa)) + (BASE << 52) }
+    if packed == 0 { 0 } else { (packed << (52 - mantissa)) + (BASE_EXPONENT << 52) }
 }
 
 /// A positive double as a real; 0 for what is not a normal positive number.

@@ -33,10 +33,10 @@ impl PathSpeed {
         let mut speed = speed;
         if change != 0 {
             let half = period.0 >> 1;
-            let share = if half.leading_zeros() >= shift { half.wrapping_shl(shift) >> 1 } else { Piece::END };
+            let share = if half.leading_zeros() >= shift { half.wrapping_shl(shift) >> 1 } else { Piece::TAU_END };
             // If the motion has its time, the piece lasts 2^32 ns at most.
             let gone = (t.wrapping_shl(shift) as u64) << 31;
-            let tau = tau.wrapping_add(gone).wrapping_add(share).min(Piece::END);
+            let tau = tau.wrapping_add(gone).wrapping_add(share).min(Piece::TAU_END);
             speed = speed.wrapping_add(mulhi_su(change, tau << 1));
         }
         let speed = speed.max(0) as u64;

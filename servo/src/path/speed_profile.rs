@@ -65,7 +65,7 @@ pub(super) struct SpeedPlan {
 
 /// A motion that stops within 2⁻¹⁶ pulse counts as stopped: v² < 2·a·2⁻¹⁶. Planners of corner
 /// speeds round, too.
-const STANDSTILL: i32 = -15;
+const STANDSTILL_LOG2: i32 = -15;
 /// A square that is less than the planned one by this part is the planned one.
 const SAME_SQUARE_LOG2: i32 = -14;
 const STILL: Phase = Phase { time: 0, length: Exact(0), vel: Float::ZERO, acc: Float::ZERO };
@@ -194,7 +194,7 @@ impl SpeedPlan {
         // Even this end cannot be reached, or just.
         self.exit = if !reaches(low, to) {
             high.sqrt()
-        } else if to.is_zero() && low.is_less(acc.scale(STANDSTILL)) {
+        } else if to.is_zero() && low.is_less(acc.scale(STANDSTILL_LOG2)) {
             Float::ZERO
         } else {
             low.sqrt()
@@ -309,7 +309,7 @@ impl SpeedPlan {
         self.halts = left.is_zero() || left.is_negative();
         // A motion that would end at standstill without the Stop does so with it, whatever is
         // rounded.
-        let still = to.is_zero() && left.is_less(rate.scale(STANDSTILL));
+        let still = to.is_zero() && left.is_less(rate.scale(STANDSTILL_LOG2));
         self.exit = if self.halts || still { Float::ZERO } else { left.sqrt() };
         self.ramp(v, self.exit, rate, rate.recip());
     }

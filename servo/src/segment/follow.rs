@@ -34,7 +34,7 @@ pub(crate) use order::SlaveOrder;
 pub use setup::Setup;
 pub use store::FollowEntries;
 pub use velocity::Lead;
-pub(crate) use velocity::{compose, led, of as motion_of, straight};
+pub(crate) use velocity::{compose, of as motion_of, slave_velocity, straight};
 
 use crate::units::Axis;
 

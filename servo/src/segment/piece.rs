@@ -111,7 +111,7 @@ impl Default for Piece {
 
 impl Piece {
     /// The largest parameter.
-    pub const END: u64 = u64::MAX >> 1;
+    pub const TAU_END: u64 = u64::MAX >> 1;
 
     /// At standstill for `span` from `begin` on.
     pub const fn standstill(begin: Ns, span: u64, start: Pos) -> Piece {
@@ -238,7 +238,7 @@ impl Piece {
 
     /// Whether its whole way ends at `pos`, to 2⁻¹⁶ pulse.
     pub fn ends_at(&self, pos: Pos) -> bool {
-        self.pos_at(Piece::END).0.abs_diff(pos.0) < 1 << (Pos::FRAC_BITS - 16)
+        self.pos_at(Piece::TAU_END).0.abs_diff(pos.0) < 1 << (Pos::FRAC_BITS - 16)
     }
 
     /// The motion at parameter `tau`, for readers.

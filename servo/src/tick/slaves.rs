@@ -65,7 +65,7 @@ impl<const AXES: usize> Tick<AXES> {
         for turn in 0..AXES {
             let Some(axis) = self.order.at(turn) else { break };
             let index = axis.index();
-            let led = self.order.leaders.has(axis);
+            let has_slaves = self.order.leaders.has(axis);
             let straight = self.axes.get(index).and_then(|state| {
                 let follower = state.follower().filter(|follower| follower.braking.is_none())?;
                 self.axes.get(follower.master.axis.index())?.straight(follower)
@@ -78,12 +78,12 @@ impl<const AXES: usize> Tick<AXES> {
                 state.prepare_run(store);
                 left = left.wrapping_sub(1);
             }
-            if !straight.is_some_and(|to| state.fast_step(to, period, led, limit)) {
+            if !straight.is_some_and(|to| state.fast_step(to, period, has_slaves, limit)) {
                 all_follow &= self.step_slave(axis, next, &mut switched, port, halves);
             }
             let Some(state) = self.axes.get_mut(index) else { break };
             if state.changed {
-                state.settle();
+                state.update_status();
             }
             port.set_point(axis, state.set_point());
             self.catch_up(axis, halves.view.buffer());
@@ -108,7 +108,7 @@ impl<const AXES: usize> Tick<AXES> {
         halves: &mut TickHalves<AXES>,
     ) -> bool {
         let (now, period, limit, index) = (self.now, self.period, self.step_limit, axis.index());
-        let led = self.order.leaders.has(axis);
+        let has_slaves = self.order.leaders.has(axis);
         let general = port.general_inputs();
         let Some((before, others)) = self.axes.split_at_mut_checked(index) else { return false };
         let (Some((state, after)), Some(store)) = (others.split_first_mut(), halves.segments.get(index)) else {
@@ -124,7 +124,7 @@ impl<const AXES: usize> Tick<AXES> {
                 Input::General => general >> (index as u32 & GeneralInputs::BITS.wrapping_sub(1)) & 1 == 1,
                 _ => level(others.at(index as usize).map_or(raw, |other| other.raw), input),
             };
-            state.step_follow(&master_sample, led, limit, (store, levels, &mut actions))
+            state.step_follow(&master_sample, has_slaves, limit, (store, levels, &mut actions))
         } else if state.runs() {
             // A stop came meanwhile.
             state.step(next, &MotionSource { segments: store, tables: halves.tables })
@@ -168,7 +168,7 @@ impl<const AXES: usize> Tick<AXES> {
         self.servo(AxisMask(switched.off), false, next, &mut reach);
         for axis in AxisMask(switched.on | switched.off).axes() {
             if let Some(state) = self.axes.get_mut(axis.index()) {
-                state.settle();
+                state.update_status();
             }
             self.catch_up(axis, view.buffer());
         }
@@ -180,9 +180,9 @@ impl<const AXES: usize> Tick<AXES> {
         let index = axis.index();
         if let (Some(state), Some(published), Some(inputs)) =
             (self.axes.get(index), view.axes.get_mut(index), view.inputs.get_mut(index))
-            && published.moves != state.published.moves
+            && published.version != state.published.version
         {
-            if published.changes != state.published.changes {
+            if published.state_version != state.published.state_version {
                 *inputs = state.raw;
             }
             state.publish(published);

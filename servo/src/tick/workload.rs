@@ -247,7 +247,7 @@ impl<const AXES: usize> Tick<AXES> {
             self.clear &= !axes.0;
             self.enable &= !axes.0;
             self.halt(axes, StopReason::Reset, next, hand_overs);
-            self.settle_crds(next, hand_overs);
+            self.end_crds_at_standstill(next, hand_overs);
             self.drop_frames(axes);
             self.forget_alarms();
             self.lasers.reset(next);

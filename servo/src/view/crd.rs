@@ -10,13 +10,13 @@ state! {
     #[derive(Debug, Clone, Copy)]
     pub struct CrdView {
         /// Counts changes of anything here; a reader skips what did not change.
-        pub moves: u32 = 0,
+        pub version: u32 = 0,
         /// Counts changes of the fields that are no position on the path: `frame`, `cleared`,
         /// `rest`, `stop`, `ends`.
-        pub changes: u32 = 0,
+        pub state_version: u32 = 0,
         /// Counts changes of `bend`, of `motion` except for the position in it, of `fifo`,
         /// `released` and `done`.
-        pub turns: u32 = 0,
+        pub piece_version: u32 = 0,
         /// Coordinates: the planned positions of its axes less the origin.
         pub position: PathPos = [Pos(0); DIMENSIONS],
         /// Direction of motion, a unit vector in 2⁻³⁰; zeros where it does not move.
@@ -55,26 +55,26 @@ impl CrdView {
     /// Becomes a copy of `now`; only what its counters mark as changed is copied.
     #[inline(always)]
     pub(crate) fn copy_changed(&mut self, now: &CrdView) {
-        if self.moves == now.moves {
+        if self.version == now.version {
             return;
         }
-        if self.changes != now.changes {
+        if self.state_version != now.state_version {
             self.follow_changes(now);
         }
-        if self.turns != now.turns {
-            (self.turns, self.bend, self.motion) = (now.turns, now.bend, now.motion);
+        if self.piece_version != now.piece_version {
+            (self.piece_version, self.bend, self.motion) = (now.piece_version, now.bend, now.motion);
             (self.fifo, self.released, self.done) = (now.fifo, now.released, now.done);
         } else {
             (self.motion.tau, self.motion.t) = (now.motion.tau, now.motion.t);
         }
-        (self.moves, self.position, self.heading) = (now.moves, now.position, now.heading);
+        (self.version, self.position, self.heading) = (now.version, now.position, now.heading);
     }
 
-    /// Field by field, at a third of the cost of a call of memcpy; what `turns` counts comes with
-    /// the rest.
+    /// Field by field, at a third of the cost of a call of memcpy; what `piece_version` counts
+    /// comes with the rest.
     #[inline(never)]
     fn follow_changes(&mut self, now: &CrdView) {
-        (self.changes, self.turns) = (now.changes, now.turns.wrapping_sub(1));
+        (self.state_version, self.piece_version) = (now.state_version, now.piece_version.wrapping_sub(1));
         (self.runs, self.path_stop, self.stop) = (now.runs, now.path_stop, now.stop);
         (self.ends, self.cleared) = (now.ends, now.cleared);
         (self.frame, self.origin) = (now.frame, now.origin);
@@ -84,7 +84,7 @@ impl CrdView {
     pub(crate) fn drop_frame(&mut self) {
         let on = &CrdView::POWER_ON;
         self.cleared = self.cleared.map(|count| count.wrapping_add(1));
-        (self.turns, self.position, self.heading) = (on.turns, on.position, on.heading);
+        (self.piece_version, self.position, self.heading) = (on.piece_version, on.position, on.heading);
         (self.bend, self.motion, self.runs, self.fifo) = (on.bend, on.motion, on.runs, on.fifo);
         (self.released, self.done, self.ends) = (on.released, on.done, on.ends);
         (self.frame, self.origin, self.path_stop) = (on.frame, on.origin, on.path_stop);

@@ -6,7 +6,7 @@
 use super::axis_motion::share_speed;
 use super::{AxisView, CrdView};
 use crate::math::float::Float;
-use crate::segment::follow::{led, motion_of, straight};
+use crate::segment::follow::{motion_of, slave_velocity, straight};
 use crate::segment::piece::Motion;
 use crate::units::{Axis, AxisMask, Crd, Ns};
 
@@ -53,7 +53,7 @@ impl<const AXES: usize> AxisSpeeds<AXES> {
             };
             let Some(master) = lead.axis else {
                 let displacement = Float::from_scaled(straight(at.master_displacement, period.0).velocity());
-                break led(&at.motion, lead, displacement);
+                break slave_velocity(&at.motion, lead, displacement);
             };
             let (Some(slot), Some(next)) = (masters.get_mut(depth), axes(master)) else { break Float::ZERO };
             *slot = master;
@@ -71,7 +71,7 @@ impl<const AXES: usize> AxisSpeeds<AXES> {
                 None => Some(view),
             };
             let Some((slave, lead)) = slave.and_then(|slave| Some((slave, slave.lead?))) else { break };
-            speed = led(&slave.motion, lead, speed);
+            speed = slave_velocity(&slave.motion, lead, speed);
         }
         if let Some(axis) = axis {
             self.record_speed(axis, speed);

@@ -44,7 +44,7 @@ fn an_encoder_is_followed_by_its_sample() {
 }
 
 /// Time constant of the filter, ms.
-const TAU: f64 = 4.194304;
+const TAU_MS: f64 = 4.194304;
 
 /// A slave at ratio 1 to a filtered master.
 fn filtered(period: u32, master: usize, value: MasterPosition) -> Bench {
@@ -63,7 +63,7 @@ fn a_filtered_encoder_answers_as_a_lag_of_first_order_at_any_period() {
     // with exp(−t/τ). Every speed is whole pulses per tick.
     for (speed, period) in [(20, 50), (20, 250), (20, 1000), (20_000, 10), (20_000, 50), (20_000, 250), (20_000, 1000)]
     {
-        let ramp = |t: f64| speed as f64 * (t + TAU * (-t / TAU).exp_m1());
+        let ramp = |t: f64| speed as f64 * (t + TAU_MS * (-t / TAU_MS).exp_m1());
         let end = 40.0;
         let rest = speed as f64 * end - ramp(end);
         let mut bench = filtered(period, 5, MasterPosition::EncoderFiltered);
@@ -71,7 +71,7 @@ fn a_filtered_encoder_answers_as_a_lag_of_first_order_at_any_period() {
             bench.machine.slip[5] = us.min(40_000) as i64 * speed / 1000;
             let view = bench.tick();
             let t = us as f64 / 1000.0;
-            let exact = if t <= end { ramp(t) } else { speed as f64 * end - rest * ((end - t) / TAU).exp() };
+            let exact = if t <= end { ramp(t) } else { speed as f64 * end - rest * ((end - t) / TAU_MS).exp() };
             let gap = pulses(view.axes[1].pos) - exact;
             assert!(gap.abs() < 1e-6, "{gap} off {exact} at {t} ms, period {period} us");
         }
@@ -86,7 +86,7 @@ fn a_filtered_encoder_that_jumps() {
     for period in [10, 50, 250, 1000] {
         let mut bench = filtered(period, 5, MasterPosition::EncoderFiltered);
         bench.machine.slip[5] = 100;
-        let part = period as f64 / 1000.0 / TAU;
+        let part = period as f64 / 1000.0 / TAU_MS;
         // Linear over the tick in which it is sampled, then at rest.
         let first = 100.0 * -(-part).exp_m1() / part;
         let mut before = 0.0;
@@ -110,7 +110,7 @@ fn a_filtered_plan_lags_by_speed_times_its_time_constant() {
             bench.jog(0, speed, 1000.0);
             let view = bench.ticks(200_000 / period);
             let lag = pulses(view.axes[0].pos) - pulses(view.axes[1].pos);
-            assert!((lag - speed * TAU).abs() < 1e-6, "{lag}, period {period} us");
+            assert!((lag - speed * TAU_MS).abs() < 1e-6, "{lag}, period {period} us");
         }
     }
 }

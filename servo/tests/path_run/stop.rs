@@ -22,7 +22,7 @@ fn a_smooth_stop_brakes_through_what_follows_and_goes_on_from_there() {
     bench.until(14_750_000);
     bench.stop(false);
     let step = bench.finish();
-    let stop = (1.0, (bench.now - BEGIN) as f64);
+    let stop = (1.0, (bench.now - BEGIN_NS) as f64);
     assert!(stop.1 > 0.0);
     assert_eq!(bench.heard.rests.len(), 1);
     let (at, rest) = bench.heard.rests[0];
@@ -32,7 +32,7 @@ fn a_smooth_stop_brakes_through_what_follows_and_goes_on_from_there() {
     assert_eq!(bench.marks().iter().map(|m| m.1).collect::<Vec<_>>(), [1, 2, 3]);
     assert_eq!((step.done, bench.path.released(0)), (3, 6));
     // 872.5 pulses from rest to rest: 87.25 + 10 ms.
-    let again = (bench.now - BEGIN) as f64 / 1e6;
+    let again = (bench.now - BEGIN_NS) as f64 / 1e6;
     bench.start(0);
     let last = bench.finish();
     assert_eq!((last.position, last.done), ([1000, 20, 0, 0].map(Pos::pulses), 4));
@@ -108,7 +108,7 @@ fn a_gentle_stop_does_not_stay_above_the_speed_of_a_motion() {
         bench.path.rules.set_stop(dec(stop));
         bench.start(0);
         bench.until(14_000_000);
-        let travelled = 50.0 + 10.0 * ((bench.now - BEGIN) as f64 / 1e6 - 10.0);
+        let travelled = 50.0 + 10.0 * ((bench.now - BEGIN_NS) as f64 / 1e6 - 10.0);
         bench.stop(false);
         let step = bench.finish();
         let corner = 100.0 - 2.0 * stop * (100.0 - travelled);
@@ -125,12 +125,12 @@ fn an_abrupt_stop_stands_still_on_its_tick() {
     let mut bench = Bench::new(vec![PathEntry::planar([1000, 0], speeds(10.0, 1.0, 0.0)), mark(1)], 250_000);
     bench.start(0);
     bench.until(20_000_000);
-    let now = (bench.now - BEGIN) as f64 / 1e6;
+    let now = (bench.now - BEGIN_NS) as f64 / 1e6;
     bench.stop(true);
     let step = bench.tick();
     assert!(!step.runs && step.motion == Motion::STANDSTILL);
     assert!(near(pulses(step.position[0]), 50.0 + (now - 10.0) * 10.0));
-    assert_eq!(bench.heard.rests, [(((BEGIN as f64 + now * 1e6) as FineNs) << 32, PathStop::Stopped)]);
+    assert_eq!(bench.heard.rests, [(((BEGIN_NS as f64 + now * 1e6) as FineNs) << 32, PathStop::Stopped)]);
     bench.start(0);
     assert_eq!(bench.finish().position[0], Pos::pulses(1000));
 }
@@ -158,8 +158,8 @@ fn random_stops_stay_on_the_path_and_within_its_speeds() {
         let mut before: Option<Step> = None;
         // Three Stops, each after at most 20 ms.
         for _ in 0..3 {
-            let when = bench.now - BEGIN + chance.below(20_000_000);
-            while bench.path.runs() && bench.now - BEGIN < when {
+            let when = bench.now - BEGIN_NS + chance.below(20_000_000);
+            while bench.path.runs() && bench.now - BEGIN_NS < when {
                 bench.tick();
             }
             if bench.path.runs() {
@@ -197,13 +197,13 @@ fn a_wait_that_is_stopped_goes_on_with_what_is_left() {
     let mut bench = Bench::new(entries, 250_000);
     bench.start(0);
     bench.until(7_000_000);
-    let stopped = bench.now - BEGIN;
+    let stopped = bench.now - BEGIN_NS;
     bench.stop(false);
-    assert_eq!(bench.heard.rests, [(((BEGIN + stopped) as FineNs) << 32, PathStop::Stopped)]);
+    assert_eq!(bench.heard.rests, [(((BEGIN_NS + stopped) as FineNs) << 32, PathStop::Stopped)]);
     bench.until(50_000_000);
-    let again = bench.now - BEGIN;
+    let again = bench.now - BEGIN_NS;
     bench.start(0);
     bench.finish();
-    assert_eq!(bench.heard.marks[0].0, ((BEGIN + again + 20_000_000 - stopped) as FineNs) << 32);
+    assert_eq!(bench.heard.marks[0].0, ((BEGIN_NS + again + 20_000_000 - stopped) as FineNs) << 32);
     assert_eq!(bench.path.done(0), 1);
 }

@@ -185,8 +185,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "look-ahead: speeds are final at once",
         AHEAD,
-        "settled = (settled || step.settled) && sure && end_sure || cap == 0.0;",
-        "settled = settled || step.settled || after >= 0.0;",
+        "is_final = (is_final || step.saturated) && decided && end_decided || cap == 0.0;",
+        "is_final = is_final || step.saturated || after >= 0.0;",
         LOOK_AHEAD,
     ),
     mutant(
@@ -335,8 +335,8 @@ pub const LIST: &[Mutant] = &[
     mutant(
         "the watchdog is fed although the link task stands still",
         "firmware/src/supervision.rs",
-        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TURN",
-        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TURN << 12",
+        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TASK_TURN_UNITS",
+        "now.wrapping_sub(TASK_RAN_AT.load(Relaxed)) > TASK_TURN_UNITS << 12",
         FAULTS,
     ),
     mutant("nothing guards the stack", MPS2, "guard::below(&mut core.MPU, STACK, 0);", "", FAULTS),

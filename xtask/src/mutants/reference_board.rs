@@ -11,6 +11,7 @@ const H743_ENCODERS: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--"
 const H743_PT: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "a_listing_of_pt"];
 const H743_ALARMS: &[&str] = &["-p", "beamtick-h743", "--test", "inputs", "--", "alarms"];
 const PWM_CYCLES: &[&str] = &["-p", "beamtick-plant", "--test", "pwm_cycles"];
+const STEADY_CYCLES: &[&str] = &["-p", "beamtick-plant", "--test", "steady_cycles"];
 const STEPS: &[&str] = &["-p", "beamtick-servo", "--test", "all", "--", "step_output::"];
 const H743_LASERS: &[&str] = &["-p", "beamtick-h743", "--test", "jobs", "--", "listings_of_lasers"];
 
@@ -179,6 +180,20 @@ pub const REFERENCE_BOARD: &[Mutant] = &[
         "self.begins = if self.runs { at } else { next };",
         "self.begins = if self.runs { self.begins } else { next };",
         PWM_CYCLES,
+    ),
+    mutant(
+        "a tick without an action is dark although a pulse of before lasts",
+        "servo/src/output/pwm_cycles.rs",
+        " && self.next.is_none() && self.until <= self.begin;",
+        " && self.next.is_none();",
+        STEADY_CYCLES,
+    ),
+    mutant(
+        "a tick without an action leaves out the edges of the channel before",
+        "servo/src/output/gate_cycles.rs",
+        "let is_steady = self.waiting == 0 && ",
+        "let is_steady = ",
+        STEADY_CYCLES,
     ),
     mutant(
         "steps that are written one by one lose a slot now and then",

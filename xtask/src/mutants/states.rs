@@ -66,8 +66,8 @@ pub const STATES: &[Mutant] = &[
     Mutant {
         name: "follow: data after a start of a FIFO that was cleared waits for the start",
         file: "dispatcher/src/shadow.rs",
-        text: "shadow.follow.empty(fifo, seq);\n                shadow.leaving = shadow.busy;",
-        broken: "shadow.follow.empty(fifo, seq);\n                shadow.leaving = Some(seq.wrapping_add(1));",
+        text: "shadow.follow.empty(fifo, seq);\n                shadow.dropped_start = shadow.busy;",
+        broken: "shadow.follow.empty(fifo, seq);\n                shadow.dropped_start = Some(seq.wrapping_add(1));",
         test: CLEARED,
     },
     Mutant {

@@ -145,8 +145,8 @@ pub const SURVIVED: &[Mutant] = &[
     mutant(
         "the free range of a motion stays over what is done at its end",
         DRIVE,
-        "        state.clearance = [Clearance::Unknown; 2];\n        published.moves",
-        "        published.moves",
+        "        state.clearance = [Clearance::Unknown; 2];\n        published.version",
+        "        published.version",
         CRD_GUARDS,
     ),
     mutant(

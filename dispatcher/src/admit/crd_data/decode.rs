@@ -7,7 +7,7 @@ use crate::admit::context::Context;
 use crate::admit::written::TakenValues;
 use crate::admit::{crd, io, many, one};
 use crate::configuration::ones;
-use crate::plan::look_ahead::ALONG_MIN;
+use crate::plan::look_ahead::SPEED_MIN_PULSES_PER_MS;
 use crate::refuse::{Admitted, Refused, bits_of, choice, real};
 use protocol::command::{
     ArcXYC, ArcXYR, ArcYZC, ArcYZR, ArcZXC, ArcZXR, BufDA, BufDelay, BufDoBit, BufGear, BufIO, BufMove, CrdData,
@@ -170,12 +170,12 @@ pub fn decode<const AXES: usize>(context: &Context<AXES>, number: u16, body: &[u
             let axis = beside(context, r.core.get(), r.axis.get())?;
             let (vel, acc) = (r.vel.get(), r.acc.get());
             let limit = context.board.step_limit;
-            let most = crd::VALUE_MAX.min(limit.pulses_per_ms() as f64);
-            real(4, vel, ALONG_MIN, most)?;
-            real(5, acc, ALONG_MIN, crd::VALUE_MAX)?;
+            let most = crd::CRD_SPEED_BOUND.min(limit.pulses_per_ms() as f64);
+            real(4, vel, SPEED_MIN_PULSES_PER_MS, most)?;
+            real(5, acc, SPEED_MIN_PULSES_PER_MS, crd::CRD_SPEED_BOUND)?;
             let modal = choice(6, r.modal.get(), 0, 1)? == 1;
             let entry = PathEntry::travel(axis, r.pos.get(), (vel.to_bits(), limit), acc.to_bits(), modal)
-                .map_err(|_| Refused::range(4, vel, ALONG_MIN, most))?;
+                .map_err(|_| Refused::range(4, vel, SPEED_MIN_PULSES_PER_MS, most))?;
             Ok((target!(r, 7), FifoItem::Entry(entry, EntryKind::Move(axis))))
         }
         _ => {
@@ -218,15 +218,18 @@ fn point(body: &[u8]) -> Admitted<DataCommand> {
         return Ok((target, FifoItem::Flush));
     };
     // Fields of an item are counted after those of the request.
-    const AT: u8 = CrdData::FIELDS.len() as u8;
-    let stops = choice(AT + 9, point.vel_end_zero.get(), 0, 1)? == 1;
+    const FIRST_ITEM_FIELD: u8 = CrdData::FIELDS.len() as u8;
+    let stops = choice(FIRST_ITEM_FIELD + 9, point.vel_end_zero.get(), 0, 1)? == 1;
     let end = if stops { 0.0 } else { point.vel_end.get() };
-    let speeds = GivenSpeeds { vel: point.vel.get(), acc: point.acc.get(), end, field: AT + 6, stops };
+    let speeds = GivenSpeeds { vel: point.vel.get(), acc: point.acc.get(), end, field: FIRST_ITEM_FIELD + 6, stops };
     let to = point.pos.map(|pos| pos.get());
-    if choice(AT, point.motion_type.get(), 0, 1)? == 0 {
-        return Ok((target, FifoItem::Motion(GivenGeometry::Line { to, count: DIMENSIONS, field: AT + 2 }, speeds)));
+    if choice(FIRST_ITEM_FIELD, point.motion_type.get(), 0, 1)? == 0 {
+        return Ok((
+            target,
+            FifoItem::Motion(GivenGeometry::Line { to, count: DIMENSIONS, field: FIRST_ITEM_FIELD + 2 }, speeds),
+        ));
     }
-    let plane = match choice(AT + 1, point.plane.get(), 0, 2)? {
+    let plane = match choice(FIRST_ITEM_FIELD + 1, point.plane.get(), 0, 2)? {
         0 => Plane::Xy,
         1 => Plane::Yz,
         _ => Plane::Zx,
@@ -234,9 +237,9 @@ fn point(body: &[u8]) -> Admitted<DataCommand> {
     let [i, j] = plane.coordinates();
     let (to, dir, centre) = ([to[i], to[j]], point.dir.get(), point.center.map(|part| part.get()));
     let shape = if centre == [0.0; 2] {
-        GivenGeometry::Radius { plane, to, radius: point.radius.get(), dir, field: AT + 2 }
+        GivenGeometry::Radius { plane, to, radius: point.radius.get(), dir, field: FIRST_ITEM_FIELD + 2 }
     } else {
-        GivenGeometry::Centre { plane, to, centre, dir, field: AT + 2 }
+        GivenGeometry::Centre { plane, to, centre, dir, field: FIRST_ITEM_FIELD + 2 }
     };
     Ok((target, FifoItem::Motion(shape, speeds)))
 }

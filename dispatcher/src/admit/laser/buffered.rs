@@ -15,7 +15,7 @@ use crate::admit::crd_data::{self, DataCommand, EntryKind, FifoItem, Target};
 use crate::admit::one;
 use crate::admit::written::{Paths, Stored, TakenValues, taken_values};
 use crate::refuse::{Admitted, Refused, finite};
-use crate::report::answer::TAKEN_MAX;
+use crate::report::answer::TAKEN_MAX_VALUES;
 use protocol::command::{
     BufLaserFollowMode, BufLaserFollowOff, BufLaserFollowRatio, BufLaserFollowTable, BufLaserOff, BufLaserOn,
     BufLaserPrfCmd, BufLaserPrfFollow, opcode,
@@ -79,7 +79,7 @@ impl<const AXES: usize> Context<'_, AXES> {
                 let source = source(2, r.source.get())?;
                 let given = r.start_given != 0;
                 let start = given.then(|| self.direct_power(channel, (5, r.start_power.get()))).transpose()?;
-                let took = start.map_or(([0.0; TAKEN_MAX], 1, 0), |(_, took)| took);
+                let took = start.map_or(([0.0; TAKEN_MAX_VALUES], 1, 0), |(_, took)| took);
                 (Buffered::FollowMode { source, start: start.map(|(power, _)| power) }, Some(took))
             }),
             opcode::BufLaserFollowRatio => to!(BufLaserFollowRatio, 5, 6, |r, channel| {

@@ -22,9 +22,9 @@ use servo::tick_command::TickCommand;
 use servo::units::CrdMask;
 
 /// Duties, %.
-const DUTY: Range = Range::new(0.0, 100.0);
+const DUTY_PERCENT: Range = Range::new(0.0, 100.0);
 /// Voltages, V.
-const VOLTS: Range = Range::new(0.0, 10.0);
+const OUTPUT_VOLTS: Range = Range::new(0.0, 10.0);
 /// Highest frequency of the GUS family, kHz.
 const GUS_KHZ: f64 = 2000.0;
 /// Highest frequency of the LSR family's low (SetLaserMode 0) and high resolution (1), kHz.
@@ -47,9 +47,9 @@ fn carriers(lsr: bool, high_resolution: bool) -> Range {
 /// Range of a bound of the power in a mode.
 pub fn powers(mode: PowerMode, lsr: bool, high_resolution: bool) -> Range {
     match mode {
-        PowerMode::Duty | PowerMode::DutyOpen => DUTY,
+        PowerMode::Duty | PowerMode::DutyOpen => DUTY_PERCENT,
         PowerMode::Frequency => Range::new(0.0, highest(lsr, high_resolution)),
-        PowerMode::Analog => VOLTS,
+        PowerMode::Analog => OUTPUT_VOLTS,
     }
 }
 
@@ -238,7 +238,7 @@ pub fn pre_voltage<const AXES: usize>(context: &mut Context<AXES>, r: &SetPreVlt
     let channel = context.channel(r.core.get(), 3, r.channel.get())?;
     let on = choice(1, r.mode.get(), 0, 1)? == 1;
     let mut taking = RangeLimiter::new(context.is_lsr());
-    let volts = taking.take(2, 0, r.voltage.get(), VOLTS)?;
+    let volts = taking.take(2, 0, r.voltage.get(), OUTPUT_VOLTS)?;
     let volts_fixed = power(2, volts)?;
     context.change(channel, ChannelChange::PreVoltage(on.then_some(volts_fixed)));
     Ok(answer_taken(context, &[volts], taking.limited))
@@ -301,7 +301,7 @@ impl<const AXES: usize> Context<'_, AXES> {
             Range::new(0.0, 0.0)
         };
         let frequency = taking.take(2, 0, frequency, range)?;
-        let duty = taking.take(3, 1, duty, DUTY)?;
+        let duty = taking.take(3, 1, duty, DUTY_PERCENT)?;
         let clock = self.clock()?;
         let pulses = if on {
             let none = |_| Refused::range(2, frequency, 0.0, GUS_KHZ);

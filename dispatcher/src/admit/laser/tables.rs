@@ -26,21 +26,21 @@ use servo::units::Crd;
 use zerocopy::FromBytes;
 
 /// Highest velocity: 2³² pulse/ms.
-const VEL_MAX: f64 = FULL_SCALE;
+const SPEED_MAX_PULSES_PER_MS: f64 = FULL_SCALE;
 /// Bytes of the longest head.
-const HEAD: usize = size_of::<SetLaserDisTable1D>();
-const _: () = assert!(size_of::<SetLaserDisTable2D>() <= HEAD && size_of::<SetLaserFollowTable>() <= HEAD);
+const HEAD_BYTES: usize = size_of::<SetLaserDisTable1D>();
+const _: () = assert!(size_of::<SetLaserDisTable2D>() <= HEAD_BYTES && size_of::<SetLaserFollowTable>() <= HEAD_BYTES);
 
 /// What the chunks of one table have in common: all of the head but `first`, which comes last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct TableKey {
     opcode: u16,
-    head: [u8; HEAD],
+    head: [u8; HEAD_BYTES],
 }
 
 impl TableKey {
     fn of<R: Request>(request: &R) -> TableKey {
-        let mut head = [0; HEAD];
+        let mut head = [0; HEAD_BYTES];
         let bytes = request.as_bytes();
         let kept = bytes.len().saturating_sub(size_of::<u16>());
         for (to, byte) in head.iter_mut().zip(bytes.iter().take(kept)) {
@@ -163,11 +163,11 @@ impl TableUpload {
         let done = chunk.indexed().try_for_each(|(index, item)| {
             let (vel, given) = (item.vel.get(), item.power.get());
             let mut taking = RangeLimiter::new(context.is_lsr());
-            let vel = real(5, vel, 0.0, VEL_MAX).map_err(|refused| refused.item(index))?;
+            let vel = real(5, vel, 0.0, SPEED_MAX_PULSES_PER_MS).map_err(|refused| refused.item(index))?;
             let before = index.checked_sub(1).and_then(|before| self.points.get(before));
             if let Some((before, _)) = before.filter(|(before, _)| vel - *before < STEP_MIN_SHARE) {
                 let refused = Refused::new(Reason::PointTime).field(5).item(index).got(vel);
-                return Err(refused.limits(*before, VEL_MAX));
+                return Err(refused.limits(*before, SPEED_MAX_PULSES_PER_MS));
             }
             let value = taking.take(6, 0, given, range).map_err(|refused| refused.item(index))?;
             limited += u16::from(taking.limited != 0);

@@ -104,14 +104,14 @@ const NEAR_SHARE: f64 = 1e-6;
 impl Steps {
     /// None.
     pub(super) const NONE: Steps =
-        Steps { rule: Rule::Fixed(StepBack { high: 0.0, settled: false }), from: 0.0, to: 0.0 };
+        Steps { rule: Rule::Fixed(StepBack { start_square: 0.0, saturated: false }), from: 0.0, to: 0.0 };
 
     /// The step from this end, if the rule holds there. None holds at 0, so `NONE` serves nothing.
     #[inline]
     pub(super) fn back(&self, most: f64) -> Option<StepBack> {
         (most > 0.0 && most >= self.from.into() && most <= self.to.into()).then(|| match self.rule {
             Rule::Fixed(step) => step,
-            Rule::Line { slope, offset } => StepBack { high: (most + offset) / slope, settled: false },
+            Rule::Line { slope, offset } => StepBack { start_square: (most + offset) / slope, saturated: false },
         })
     }
 }
@@ -119,9 +119,9 @@ impl Steps {
 /// The highest square at the start of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StepBack {
-    pub high: f64,
+    pub start_square: f64,
     /// A higher one at the end would not raise it.
-    pub settled: bool,
+    pub saturated: bool,
 }
 
 /// How a motion is driven: its highest speed, its acceleration, its time in ms.
@@ -155,7 +155,7 @@ pub(super) struct Span {
     unit: f64,
     acc: f64,
     /// The highest x by itself: without and with the corner at the end.
-    tops: [f64; 2],
+    start_tops: [f64; 2],
     /// The highest y by itself.
     end_top: f64,
     /// The lines of its own acceleration, above and below.
@@ -264,12 +264,12 @@ impl Span {
         let own = [-1.0, 1.0].map(|slope| Line { slope, offset: change, end: false });
         let (above, below) = (Vec::new(), Vec::new());
         let unit = 1.0 / (2.0 * length);
-        Span { length, unit, acc, tops: [f64::INFINITY; 2], end_top: f64::INFINITY, own, above, below }
+        Span { length, unit, acc, start_tops: [f64::INFINITY; 2], end_top: f64::INFINITY, own, above, below }
     }
 
     /// It keeps this bound.
     #[inline]
-    pub(super) fn keep(&mut self, bound: &Bound) {
+    pub(super) fn add(&mut self, bound: &Bound) {
         for (corner, end) in bound.corners.iter().zip([false, true]) {
             if bound.round {
                 self.reserve(bound, corner, end);
@@ -295,7 +295,7 @@ impl Span {
         if end {
             self.end_top = self.end_top.min(top);
         } else {
-            self.tops = self.tops.map(|x| x.min(top));
+            self.start_tops = self.start_tops.map(|x| x.min(top));
         }
     }
 
@@ -316,9 +316,9 @@ impl Span {
             };
         } else if x > 0.0 {
             let top = limit / x;
-            self.tops[1] = self.tops[1].min(top);
+            self.start_tops[1] = self.start_tops[1].min(top);
             if !end {
-                self.tops[0] = self.tops[0].min(top);
+                self.start_tops[0] = self.start_tops[0].min(top);
             }
         }
     }
@@ -349,23 +349,23 @@ impl Span {
 
     /// The highest x, at most `cap`, from which some y from 0 to `most` can be reached, and what
     /// that tells of other `most`.
-    pub(super) fn back(&self, most: f64, cap: f64) -> (StepBack, Steps) {
-        let found = self.back_from(most.min(self.end_top), cap);
+    pub(super) fn start_square(&self, most: f64, cap: f64) -> (StepBack, Steps) {
+        let found = self.start_square_from(most.min(self.end_top), cap);
         if most <= self.end_top {
             return found;
         }
-        let step = StepBack { settled: true, ..found.0 };
+        let step = StepBack { saturated: true, ..found.0 };
         (step, Steps { rule: Rule::Fixed(step), from: rounded_up(self.end_top), to: f32::INFINITY })
     }
 
     #[inline]
-    fn back_from(&self, most: f64, cap: f64) -> (StepBack, Steps) {
-        let [free, top] = self.tops;
-        let (mut x, mut settled, mut edge) = (cap.min(top), true, None);
+    fn start_square_from(&self, most: f64, cap: f64) -> (StepBack, Steps) {
+        let [free, top] = self.start_tops;
+        let (mut x, mut saturated, mut edge) = (cap.min(top), true, None);
         // Mostly its own acceleration bounds it.
         let [_, own] = self.own;
         if most + own.offset < x {
-            (x, settled, edge) = (most + own.offset, false, Some(own));
+            (x, saturated, edge) = (most + own.offset, false, Some(own));
         }
         for _ in 0..CORNERS_MAX {
             let [(high, above), (low, below)] = self.window(x, most);
@@ -374,13 +374,13 @@ impl Span {
             }
             // The region is convex and contains 0: the lower line rises faster than the upper one.
             let next = (above.offset + below.offset) / (above.slope + below.slope);
-            settled = above.slope != 0.0;
+            saturated = above.slope != 0.0;
             // If rounding keeps it from falling, it has arrived.
             if next.is_nan() || next >= x {
                 edge = None;
                 break;
             }
-            (x, edge) = (next, (!settled).then_some(below));
+            (x, edge) = (next, (!saturated).then_some(below));
         }
         // A stop at the end uses nothing of the corner there.
         let mut stop = cap.min(free).min(own.offset);
@@ -393,9 +393,9 @@ impl Span {
         }
         let (step, [from, to]) = if x < cap && stop > x && holds {
             edge = None;
-            (StepBack { high: stop, settled: stop >= cap }, [0.0, most])
+            (StepBack { start_square: stop, saturated: stop >= cap }, [0.0, most])
         } else {
-            (StepBack { high: x.max(0.0), settled }, [most, if settled { f64::INFINITY } else { most }])
+            (StepBack { start_square: x.max(0.0), saturated }, [most, if saturated { f64::INFINITY } else { most }])
         };
         let steps = match edge {
             Some(edge) => self.along(&edge, [stop, cap.min(top)], most),
@@ -427,15 +427,15 @@ impl Span {
     }
 
     /// The highest y, at most `most`, that can be reached from x.
-    pub(super) fn on(&self, x: f64, most: f64) -> f64 {
+    pub(super) fn end_square(&self, x: f64, most: f64) -> f64 {
         let [(high, _), (low, _)] = self.window(x, most.min(self.end_top));
         // A planned x is in the region, but for rounding; any other relies on a stop.
         let slack = 1e-6 * x;
-        if high < low - slack || x > self.tops[1] + slack { 0.0 } else { high.max(0.0) }
+        if high < low - slack || x > self.start_tops[1] + slack { 0.0 } else { high.max(0.0) }
     }
 
     /// The lowest y that can be reached from x.
-    pub(super) fn least(&self, x: f64) -> f64 {
+    pub(super) fn least_end_square(&self, x: f64) -> f64 {
         let [_, (low, _)] = self.window(x, f64::INFINITY);
         low
     }
@@ -545,37 +545,41 @@ mod tests {
                 Bound::straight(side.along, corners, side.limit)
             });
             let mut span = Span::new(length, acc);
-            bounds.iter().for_each(|bound| span.keep(bound));
+            bounds.iter().for_each(|bound| span.add(bound));
             let (most, cap) = (chance() * 400.0, chance() * 400.0);
-            let (StepBack { high, settled }, steps) = span.back(most, cap);
-            let found = || format!("{sides:?} {length} {acc} to {most}, {cap}: {high} {settled}");
+            let (StepBack { start_square, saturated }, steps) = span.start_square(most, cap);
+            let found = || format!("{sides:?} {length} {acc} to {most}, {cap}: {start_square} {saturated}");
             // There is an end for the highest start; trials find none for a higher one.
             let keeps = |x: f64, y: f64, slack: f64| {
                 accelerates(length, x, y) <= acc * (1.0 + slack)
                     && sides.iter().all(|side| taken(side, length, [x, y], true) <= 1.0 + slack)
             };
             let ends = |x: f64| (0..=200).any(|part| keeps(x, most * f64::from(part) / 200.0, -2e-4));
-            assert!((0.0..=cap).contains(&high), "{}", found());
-            assert!(keeps(high, span.on(high, most), 1e-5), "{}", found());
-            if high < cap {
+            assert!((0.0..=cap).contains(&start_square), "{}", found());
+            assert!(keeps(start_square, span.end_square(start_square, most), 1e-5), "{}", found());
+            if start_square < cap {
                 lowered += 1;
-                assert!(!ends(high * 1.001), "{}", found());
+                assert!(!ends(start_square * 1.001), "{}", found());
             }
-            if settled {
-                assert!(span.back(most * 2.0, cap).0.high <= high * (1.0 + 1e-12), "{}", found());
+            if saturated {
+                assert!(
+                    span.start_square(most * 2.0, cap).0.start_square <= start_square * (1.0 + 1e-12),
+                    "{}",
+                    found()
+                );
             }
             // What a kept rule gives is the step, but for the last bits.
             for _ in 0..8 {
                 let most = most * 2.0 * chance();
                 if let Some(kept) = steps.back(most) {
-                    let (step, _) = span.back(most, cap);
-                    let same = (kept.high - step.high).abs() <= 4.0 * f64::EPSILON * step.high;
-                    assert!(same && kept.settled == step.settled, "{kept:?} {step:?} {steps:?} {}", found());
-                    along[usize::from(step.settled)] += 1;
+                    let (step, _) = span.start_square(most, cap);
+                    let same = (kept.start_square - step.start_square).abs() <= 4.0 * f64::EPSILON * step.start_square;
+                    assert!(same && kept.saturated == step.saturated, "{kept:?} {step:?} {steps:?} {}", found());
+                    along[usize::from(step.saturated)] += 1;
                 }
             }
-            let x = high * chance().sqrt();
-            let y = span.on(x, most);
+            let x = start_square * chance().sqrt();
+            let y = span.end_square(x, most);
             assert!((0.0..=most).contains(&y));
             for side in &sides {
                 let [exact, planned] = [false, true].map(|straight| taken(side, length, [x, y], straight));

@@ -27,7 +27,7 @@ use libm::{fabsf, rintf};
 /// The most chords of an arm.
 const ARM_CHORDS: u32 = CHORDS_MAX as u32 / 2;
 /// From arm to arm.
-const GROWTH: f32 = core::f32::consts::SQRT_2;
+const ARM_GROWTH_RATIO: f32 = core::f32::consts::SQRT_2;
 /// Parts of a direction of 1.
 const DIRECTION_UNITS: f32 = 32767.0;
 
@@ -101,7 +101,7 @@ impl Chords {
         let mut seconds = junction.bend.map(|bend| (fabsf(bend) * mean - turn).copysign(bend) * shortest);
         let (mut bends, mut square, mut arm) = ([[0.0f32; 2]; 4], f32::INFINITY, shortest);
         loop {
-            let next = (arm * GROWTH).min(wanted);
+            let next = (arm * ARM_GROWTH_RATIO).min(wanted);
             let ends = next <= arm || !forwards.reach(next) || !back.reach(next);
             // Two pulses, but for an arm that ends within the first motions.
             let hidden = if ends { 0.0 } else { (arm * turn).min(2.0) };

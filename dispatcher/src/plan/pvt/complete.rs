@@ -5,9 +5,9 @@
 //! − λ. The matrix is diagonally dominant by a factor of 2. So elimination without pivots keeps
 //! every velocity within a few 2⁻⁵² of the largest slope.
 //! Each point first holds d as its velocity: v(i) = d(i) − c(i)·v(i+1). c depends on the times
-//! alone. Only every [`STRIDE`]th is kept. The back substitution computes those between again, by
-//! the same operations on the same numbers, so to the same bits.
-use super::scratch::{STRIDE, Scratch};
+//! alone. Only every [`STRIDE_POINTS`]th is kept. The back substitution computes those between
+//! again, by the same operations on the same numbers, so to the same bits.
+use super::scratch::{STRIDE_POINTS, Scratch};
 
 /// What the elimination carries from point to point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -45,9 +45,9 @@ pub fn eliminate(before: EliminationRow, (h0, p0): (f64, f64), (h1, p1): (f64, f
 pub fn substitute(scratch: &mut Scratch<'_>) {
     let count = scratch.used();
     let mut next = 0.0;
-    let mut cs = [0.0; STRIDE];
-    for block in (0..count.div_ceil(STRIDE)).rev() {
-        let start = block * STRIDE;
+    let mut cs = [0.0; STRIDE_POINTS];
+    for block in (0..count.div_ceil(STRIDE_POINTS)).rev() {
+        let start = block * STRIDE_POINTS;
         let mut c = scratch.kept(block);
         for (index, point) in (start..count).zip(&mut cs) {
             let time = |index: usize| scratch.knot(index).map(|knot| knot.time);

@@ -5,8 +5,8 @@
 //! Fails: a knot too many, a segment above the step limit or out of reach. The present table is not
 //! changed before the new one is complete.
 //!
-//! A spline's elimination leaves a fourth number for each point. Only every [`STRIDE`]th is kept;
-//! those between are computed again ([`super::complete`]).
+//! A spline's elimination leaves a fourth number for each point. Only every [`STRIDE_POINTS`]th is
+//! kept; those between are computed again ([`super::complete`]).
 use crate::refuse::{Admitted, Refused};
 use protocol::reason::Reason;
 use servo::segment::pvt::{PointStore, TABLE_POINTS};
@@ -27,15 +27,15 @@ pub struct TablePoint {
 }
 
 /// Points between two kept numbers of a spline's elimination.
-pub const STRIDE: usize = 32;
+pub const STRIDE_POINTS: usize = 32;
 
 servo::state! {
     /// Memory besides the point memory.
     pub struct SplineScratch {
         velocities: [f64; TABLE_POINTS] = [0.0; TABLE_POINTS],
         used: usize = 0,
-        /// The elimination's numbers at the points 0, [`STRIDE`] ….
-        kept: [f64; TABLE_POINTS / STRIDE] = [0.0; TABLE_POINTS / STRIDE],
+        /// The elimination's numbers at the points 0, [`STRIDE_POINTS`] ….
+        kept: [f64; TABLE_POINTS / STRIDE_POINTS] = [0.0; TABLE_POINTS / STRIDE_POINTS],
     }
     /// Empty.
     pub const fn new();
@@ -107,14 +107,14 @@ impl<'a> Scratch<'a> {
 
     /// Keeps the elimination's number at a point, if it is one that is kept.
     pub fn keep(&mut self, index: usize, c: f64) {
-        if index.is_multiple_of(STRIDE)
-            && let Some(point) = self.beside.kept.get_mut(index / STRIDE)
+        if index.is_multiple_of(STRIDE_POINTS)
+            && let Some(point) = self.beside.kept.get_mut(index / STRIDE_POINTS)
         {
             *point = c;
         }
     }
 
-    /// The number at the point `block` · [`STRIDE`].
+    /// The number at the point `block` · [`STRIDE_POINTS`].
     pub fn kept(&self, block: usize) -> f64 {
         self.beside.kept.get(block).copied().unwrap_or(0.0)
     }

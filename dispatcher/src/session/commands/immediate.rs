@@ -8,7 +8,7 @@ use crate::admit::joined::{Advance, PathManyEnd, PathManyProgress};
 use crate::admit::staged::STAGED_MAX;
 use crate::program::Program;
 use crate::refuse::Refused;
-use crate::report::answer::{Answer, TAKEN_MAX};
+use crate::report::answer::{Answer, TAKEN_MAX_VALUES};
 use crate::report::event_log::{EventKind, ShutOff};
 use crate::report::path_many;
 use crate::report::pending_replies::RecordOutcome;
@@ -40,7 +40,7 @@ impl<const AXES: usize> CommandHandler<'_, AXES> {
         out: &mut ReplyWriter,
     ) -> RecordOutcome {
         // What a PathMany in hand reports makes room once it is over.
-        let values = if self.joined.has_begun() { 0 } else { TAKEN_MAX };
+        let values = if self.joined.has_begun() { 0 } else { TAKEN_MAX_VALUES };
         if self.admission.lane.room() < STAGED_MAX.max(AXES) || !self.replies.has_room(values) {
             return RecordOutcome::Wait;
         }

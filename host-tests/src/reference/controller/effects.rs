@@ -7,11 +7,11 @@ use super::answer::{Answer, DONE, check, range};
 use super::{Controller, Edge};
 
 /// General outputs of the virtual controller.
-const OUTPUTS: i16 = 32;
+const GENERAL_OUTPUTS: i16 = 32;
 /// Its analog outputs, and inputs.
-const ANALOG: i16 = 8;
+const ANALOG_OUTPUTS: i16 = 8;
 /// The most of an analog input, V.
-const VOLTS: f64 = 12.5;
+const ANALOG_INPUT_VOLTS: f64 = 12.5;
 
 impl Controller {
     pub(super) fn effect(&mut self, index: usize, call: &Call, effect: &Effect, now: i64) -> Answer {
@@ -20,17 +20,17 @@ impl Controller {
                 self.changes.push((now as f64 / 1e6, u32::MAX, value.cast_unsigned()));
             }
             Effect::SetDoBit { index, level, .. } => {
-                range((1..=OUTPUTS).contains(&index))?;
+                range((1..=GENERAL_OUTPUTS).contains(&index))?;
                 let bit = 1 << (index - 1);
                 self.changes.push((now as f64 / 1e6, bit, if level { bit } else { 0 }));
             }
             Effect::SetDac { dac, value, .. } => {
-                range((1..=ANALOG).contains(&dac))?;
+                range((1..=ANALOG_OUTPUTS).contains(&dac))?;
                 check(!self.is_of_laser(dac))?;
                 self.analog.push((now as f64 / 1e6, dac as usize - 1, value));
             }
             Effect::GetDac { dac, .. } => {
-                range((1..=ANALOG).contains(&dac))?;
+                range((1..=ANALOG_OUTPUTS).contains(&dac))?;
                 return Ok(self.read(index, call, 0));
             }
             Effect::GetDo { .. } => return Ok(self.read(index, call, 0)),
@@ -52,11 +52,11 @@ impl Controller {
                 self.interlock.motion = motion;
             }
             Effect::SimAdc { adc, volts, .. } => {
-                range((1..=ANALOG).contains(&adc) && volts.abs() <= VOLTS)?;
+                range((1..=ANALOG_OUTPUTS).contains(&adc) && volts.abs() <= ANALOG_INPUT_VOLTS)?;
                 self.levels.volts[adc as usize - 1] = volts;
             }
             Effect::GetAdc { adc, .. } => {
-                range((1..=ANALOG).contains(&adc))?;
+                range((1..=ANALOG_OUTPUTS).contains(&adc))?;
                 return Ok(self.read(index, call, 0));
             }
             Effect::SimInput { index, level, .. } => {

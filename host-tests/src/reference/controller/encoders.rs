@@ -13,7 +13,7 @@ use super::Controller;
 const LAG_NS: f64 = 1e6;
 /// Counts that a recorded encoder may be from the lag: half of one for the rounding, and some for
 /// its arithmetic.
-const APART: f64 = 0.6;
+const TOLERANCE_COUNTS: f64 = 0.6;
 
 /// See the module text.
 pub struct Machine {
@@ -51,7 +51,7 @@ impl Controller {
             let count = machine.recorded.get(tick).map(|row| Fix::whole(row[axis_index]));
             if let Some(count) = count {
                 let apart = (count - modelled).to_f64();
-                if apart.abs() > APART && machine.astray.is_none() {
+                if apart.abs() > TOLERANCE_COUNTS && machine.astray.is_none() {
                     machine.astray = Some((tick, axis_index, apart));
                 }
             }

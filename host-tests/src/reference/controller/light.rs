@@ -9,11 +9,11 @@ use super::answer::{Answer, DONE, check, either, range};
 use super::{Controller, Reply, Value};
 
 /// The lowest frequency, kHz.
-const KHZ_MIN: f64 = 0.001;
+const FREQUENCY_MIN_KHZ: f64 = 0.001;
 /// The longest delay, µs.
 const DELAY_MAX_US: f64 = 65535.0;
 /// The most of a ratio of the distance follow, and the scales of the two families.
-pub(super) const RATIO: f64 = 131072.0;
+pub(super) const DISTANCE_RATIO_MAX: f64 = 131072.0;
 const SCALES: [[f64; 2]; 2] = [[1.0 / 262144.0, 4294967296.0], [1.0, 65536.0]];
 
 /// A value outside its range: GUS refuses it, LSR takes the nearest bound.
@@ -24,14 +24,14 @@ pub(super) fn take(family: Family, x: f64, [low, high]: [f64; 2]) -> Result<f64,
 
 /// A power: pulses of less than 1 Hz are refused in both families.
 pub(super) fn take_power(of: &Channel, x: f64) -> Result<f64, i16> {
-    range(of.law.mode != Mode::Frequency || x <= 0.0 || x >= KHZ_MIN)?;
+    range(of.law.mode != Mode::Frequency || x <= 0.0 || x >= FREQUENCY_MIN_KHZ)?;
     take(of.law.family, x, [0.0, of.law.most()])
 }
 
 /// A frequency other than that of pulses of light.
 fn take_frequency(law: &Law, khz: f64) -> Result<f64, i16> {
-    range(khz >= KHZ_MIN)?;
-    take(law.family, khz, [KHZ_MIN, law.highest()])
+    range(khz >= FREQUENCY_MIN_KHZ)?;
+    take(law.family, khz, [FREQUENCY_MIN_KHZ, law.highest()])
 }
 
 /// Bounds with min ≤ max, as given and as taken.
@@ -212,7 +212,7 @@ impl Controller {
                 Setting::Distance(Some(distance))
             }
             LightOf::Ratios(ratio, bounds) => {
-                let good = ratio.iter().all(|ratio| ratio.abs() <= RATIO);
+                let good = ratio.iter().all(|ratio| ratio.abs() <= DISTANCE_RATIO_MAX);
                 let bounds = match family {
                     Family::Gus => take_bounds(&after.law, after.law.mode, bounds).map(Some),
                     Family::Lsr => Ok(None),

@@ -5,14 +5,14 @@ use super::super::light::{
 };
 use super::Controller;
 use super::answer::{Answer, DONE, either, range};
-use super::light::{RATIO, take, take_bounds, take_power};
+use super::light::{DISTANCE_RATIO_MAX, take, take_bounds, take_power};
 
 /// Points of a plane of ratios.
-const PLANE: usize = 256;
+const PLANE_NODES: usize = 256;
 const CHANNELS: i16 = 2;
 
 /// What a limit of an axis may be in frequency mode, in both families.
-const HIGHEST_KHZ: f64 = 2000.0;
+const FREQUENCY_LIMIT_MAX_KHZ: f64 = 2000.0;
 
 impl Controller {
     /// Whether a table of powers, from 1, is in use; None: a path may just have left it.
@@ -62,7 +62,7 @@ impl Controller {
                 let counts = [x.len(), y.len()].iter().all(|count| (1..=POINTS).contains(count));
                 let good = names
                     && counts
-                    && x.len() * y.len() <= PLANE
+                    && x.len() * y.len() <= PLANE_NODES
                     && y.windows(2).all(|pair| pair[0] < pair[1])
                     && rows.iter().all(is_line);
                 let axes = if names { axes.map(|axis| axis as usize - 1) } else { [0, 1] };
@@ -113,7 +113,7 @@ impl Controller {
             Family::Gus => take_bounds(&after.law, after.law.mode, bounds).map(Some),
             Family::Lsr => Ok(None),
         };
-        let limit = |limit: f64| take(after.law.family, limit, [0.0, after.law.mode.most(HIGHEST_KHZ)]);
+        let limit = |limit: f64| take(after.law.family, limit, [0.0, after.law.mode.most(FREQUENCY_LIMIT_MAX_KHZ)]);
         let taken = limits.map(|limits| limits.map(limit));
         let good = good && taken.is_none_or(|limits| limits.iter().all(Result::is_ok));
         either(after.law.distance.is_some(), good && bounds.is_ok())?;
@@ -141,5 +141,5 @@ impl Controller {
 }
 
 fn is_line(line: &Line) -> bool {
-    line.increases() && line.0.iter().all(|point| point[1].abs() <= RATIO)
+    line.increases() && line.0.iter().all(|point| point[1].abs() <= DISTANCE_RATIO_MAX)
 }

@@ -17,11 +17,11 @@ pub type Name = (i16, i16);
 /// To a core.
 const CRDS: i16 = 2;
 /// Analog outputs of the virtual controller.
-const ANALOG: i16 = 8;
+const ANALOG_OUTPUTS: i16 = 8;
 /// Speeds and accelerations of SetCrdPrm are below this.
-const PATH_SPEED_MAX: f64 = 32767.0;
+const PATH_SPEED_MAX_PULSES_PER_MS: f64 = 32767.0;
 /// The lowest speed and acceleration.
-const PATH_SPEED_MIN: f64 = 1.0 / 1048576.0;
+const PATH_SPEED_MIN_PULSES_PER_MS: f64 = 1.0 / 1048576.0;
 
 /// What a Stop or an override does at the instant of a tick. An abrupt Stop shows the set-points of
 /// the tick before.
@@ -166,7 +166,7 @@ impl Controller {
             }
             Path::StopDec { crd, smooth } => {
                 let of = self.crd(core, *crd)?;
-                range(*smooth > 0.0 && *smooth < PATH_SPEED_MAX)?;
+                range(*smooth > 0.0 && *smooth < PATH_SPEED_MAX_PULSES_PER_MS)?;
                 if of.brakes {
                     self.open = Some("SetCrdStopDec while it brakes");
                 }
@@ -174,7 +174,7 @@ impl Controller {
             }
             Path::Override { crd, ratio } => {
                 self.crd(core, *crd)?;
-                range(*ratio >= PATH_SPEED_MIN && *ratio <= 1.0)?;
+                range(*ratio >= PATH_SPEED_MIN_PULSES_PER_MS && *ratio <= 1.0)?;
                 self.path_then.push(((core, *crd), PathThen::Rate(*ratio)));
             }
             Path::Line { crd, to, speeds, fifo } => return self.line((core, *crd), to, speeds, *fifo),
@@ -246,13 +246,13 @@ impl Controller {
             }
             Path::Analog { crd, dac, value, fifo } => {
                 let set = self.crd(core, *crd).map(|_| ());
-                let known = (1..=CRDS).contains(crd) && (0..2).contains(fifo) && (1..=ANALOG).contains(dac);
+                let known = (1..=CRDS).contains(crd) && (0..2).contains(fifo) && (1..=ANALOG_OUTPUTS).contains(dac);
                 either(set.is_ok() && !self.is_of_laser(*dac), known)?;
                 return self.put((core, *crd), *fifo as usize, Entry::Analog(*dac as usize - 1, *value));
             }
             Path::Move { crd, axis, to, vel, acc, modal, fifo } => {
                 let set = self.crd(core, *crd).map(|_| ());
-                let known = |x: f64| (PATH_SPEED_MIN..=PATH_SPEED_MAX).contains(&x);
+                let known = |x: f64| (PATH_SPEED_MIN_PULSES_PER_MS..=PATH_SPEED_MAX_PULSES_PER_MS).contains(&x);
                 let good = (0..2).contains(fifo) && known(*vel) && known(*acc) && (0..2).contains(modal);
                 either(self.axes[*axis].mode == Mode::Trap && set.is_ok(), good && (1..=CRDS).contains(crd))?;
                 let entry = Move { axis: *axis, to: *to, vel: *vel, acc: *acc, waits: *modal == 1 };
@@ -344,7 +344,7 @@ impl Controller {
         speeds: &Speeds,
     ) -> Answer {
         let Speeds { vel, acc, end } = *speeds;
-        range(vel >= PATH_SPEED_MIN && acc >= PATH_SPEED_MIN && end >= 0.0)?;
+        range(vel >= PATH_SPEED_MIN_PULSES_PER_MS && acc >= PATH_SPEED_MIN_PULSES_PER_MS && end >= 0.0)?;
         self.put(name, fifo, Entry::Motion(geometry, Rates { speed: vel, acc, end }, to, sets))
     }
 
@@ -374,7 +374,7 @@ impl Controller {
     ) -> Answer {
         let (core, number) = name;
         range((1..=CRDS).contains(&number) && (1..=4).contains(&axes.len()))?;
-        let limits = |x: f64| (PATH_SPEED_MIN..PATH_SPEED_MAX).contains(&x);
+        let limits = |x: f64| (PATH_SPEED_MIN_PULSES_PER_MS..PATH_SPEED_MAX_PULSES_PER_MS).contains(&x);
         range(limits(speed) && limits(acc) && even_ms >= 0)?;
         range(axes.iter().all(|axis| self.cores[*axis] == core))?;
         range(axes.iter().enumerate().all(|(index, axis)| !axes[..index].contains(axis)))?;

@@ -6,10 +6,10 @@ use super::super::call::{Call, Kind, members};
 use super::super::light::{Act, SERVO_OFF};
 use super::super::number::Fix;
 use super::answer::{Answer, DONE, check, either, range};
-use super::{Controller, Reply, SETTLED, Then, Value};
+use super::{Controller, Reply, STANDSTILL_KNOWN_NS, Then, Value};
 
 /// 2⁻²⁰ pulse: a way that may be rounding.
-const ROUNDED: Fix = Fix(1 << 44);
+const ROUNDING_PULSES: Fix = Fix(1 << 44);
 
 impl Controller {
     pub(super) fn plain(&mut self, index: usize, call: &Call, kind: Kind, axis_index: usize) -> Answer {
@@ -33,7 +33,7 @@ impl Controller {
                 self.light.calls.extend(fault);
                 if let Some(of) = crd.and_then(|crd| self.crds.get_mut(&(1, crd as i16 + 1))) {
                     of.stopped |= !of.awaited;
-                    self.switched_off_ns = SETTLED;
+                    self.switched_off_ns = STANDSTILL_KNOWN_NS;
                 }
             }
             Kind::ZeroPos => {
@@ -229,7 +229,7 @@ impl Controller {
                 _ => false,
             })?;
             let displacement = Fix::whole(axis.target.into()) - axis.name();
-            if axis.mode == Mode::Trap && displacement != Fix::ZERO && displacement.abs() < ROUNDED {
+            if axis.mode == Mode::Trap && displacement != Fix::ZERO && displacement.abs() < ROUNDING_PULSES {
                 self.open = Some("an Update without a displacement");
                 return DONE;
             }

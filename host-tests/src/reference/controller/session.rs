@@ -7,12 +7,12 @@ use super::super::axis::Axis;
 use super::{Reply, Value};
 
 /// Periods that a controller takes, µs.
-const PERIODS: std::ops::RangeInclusive<i32> = 10..=1000;
+const PERIODS_US: std::ops::RangeInclusive<i32> = 10..=1000;
 /// Ticks before it was asked for from which everything must be at standstill, or move, so that the
 /// answer is known.
-const AHEAD: i64 = 2;
+const AHEAD_TICKS: i64 = 2;
 /// Ticks that it takes where none was recorded, until it acts and until the next program begins.
-const TAKES: [i64; 2] = [2, 6];
+const TAKES_TICKS: [i64; 2] = [2, 6];
 
 /// A SetTick as it went: instants in ns from the first program's zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,20 +41,20 @@ impl Between {
     /// `runs`: something moves where it is made, up to the tick `now`.
     pub fn new(us: i32, session: Option<Session>, (now, runs): (i64, bool), tick_ns: i64) -> Between {
         let nominal = || {
-            let acted = now + TAKES[0] * tick_ns;
-            let period = if PERIODS.contains(&us) { i64::from(us) * 1000 } else { tick_ns };
-            Session { asked: now, answered: acted, acted: Some(acted), zero: acted + TAKES[1] * period }
+            let acted = now + TAKES_TICKS[0] * tick_ns;
+            let period = if PERIODS_US.contains(&us) { i64::from(us) * 1000 } else { tick_ns };
+            Session { asked: now, answered: acted, acted: Some(acted), zero: acted + TAKES_TICKS[1] * period }
         };
         let session = session.unwrap_or_else(nominal);
         // After another one its answer may be there before.
         let is_over = session.answered < now;
         let (moved, rested) = (is_over && runs, is_over && !runs);
-        Between { us, session, from: session.asked - AHEAD * tick_ns, moved, rested, done: false }
+        Between { us, session, from: session.asked - AHEAD_TICKS * tick_ns, moved, rested, done: false }
     }
 
     /// The period from this tick on, µs, if it becomes another.
     pub fn change(&mut self, tick: i64) -> Option<i64> {
-        let acts = self.session.acted == Some(tick) && PERIODS.contains(&self.us) && !self.moved;
+        let acts = self.session.acted == Some(tick) && PERIODS_US.contains(&self.us) && !self.moved;
         self.done |= acts;
         acts.then_some(self.us.into())
     }
@@ -74,7 +74,7 @@ impl Between {
     /// What it answers, when the next program begins.
     pub fn reply(&self, now: i64) -> Option<Reply> {
         let code = match () {
-            () if !PERIODS.contains(&self.us) => 7,
+            () if !PERIODS_US.contains(&self.us) => 7,
             () if self.moved => 1,
             () => 0,
         };
@@ -90,7 +90,7 @@ impl Between {
 
     pub fn tally(&self) -> &'static str {
         match () {
-            () if !PERIODS.contains(&self.us) => "tick periods out of range",
+            () if !PERIODS_US.contains(&self.us) => "tick periods out of range",
             () if self.moved => "tick periods refused in motion",
             () => "tick periods set between programs",
         }

@@ -6,7 +6,7 @@
 /// Closer instants, ms, are one; instants further apart, but closer than the other, may fall either
 /// way.
 const SAME_INSTANT_MS: f64 = 1e-9;
-const NEAR: f64 = 6e-6;
+const NEAR_MS: f64 = 6e-6;
 
 /// EnaFPK, ms.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ struct Pending {
 impl Pending {
     /// A later command cancels what is pending at or after its own effect.
     fn command(&mut self, at: f64, level: bool) {
-        let near = |edge: f64| (edge - at).abs() < NEAR && (edge - at).abs() > SAME_INSTANT_MS;
+        let near = |edge: f64| (edge - at).abs() < NEAR_MS && (edge - at).abs() > SAME_INSTANT_MS;
         self.tie |= self.edges.iter().any(|edge| near(edge.0)) || self.taken.is_some_and(near);
         self.edges.retain(|edge| edge.0 < at - SAME_INSTANT_MS);
         self.edges.push((at, level));
@@ -78,7 +78,7 @@ impl Gate {
 
     /// Whether an edge is pending so near to an instant that rounding may decide which comes first.
     pub fn is_near(&self, at: f64) -> bool {
-        let near = |edge: &(f64, bool)| (edge.0 - at).abs() < NEAR && (edge.0 - at).abs() > SAME_INSTANT_MS;
+        let near = |edge: &(f64, bool)| (edge.0 - at).abs() < NEAR_MS && (edge.0 - at).abs() > SAME_INSTANT_MS;
         self.gate.edges.iter().chain(&self.light.edges).any(near)
     }
 
@@ -173,7 +173,7 @@ impl Gate {
     /// Light since the counter was set to zero, ms, and how well it is known.
     pub fn on_time(&self, now: f64) -> (f64, f64) {
         let lit = if self.light.level { now - self.since } else { 0.0 };
-        (self.lasted + lit, NEAR * f64::from(self.count + 1))
+        (self.lasted + lit, NEAR_MS * f64::from(self.count + 1))
     }
 
     /// ZeroLaserOnTime.

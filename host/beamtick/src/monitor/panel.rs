@@ -19,9 +19,9 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Bytes of lines that are not answered, at most: Grbl's receive buffer.
-const BYTES: usize = 128;
+const UNANSWERED_BYTES: usize = 128;
 /// Time between two questions what the machine does.
-const ASKS: Duration = Duration::from_millis(200);
+const STATUS_PERIOD: Duration = Duration::from_millis(200);
 /// Lengths of a jog, mm.
 const STEPS_MM: [f64; 5] = [0.1, 1.0, 5.0, 10.0, 50.0];
 /// Reset, as Grbl has it.
@@ -241,7 +241,7 @@ impl Panel {
         if let Some(run) = self.run.as_mut().filter(|_| self.state == "Run") {
             run.ran += passed;
         }
-        if self.asked.elapsed() >= ASKS {
+        if self.asked.elapsed() >= STATUS_PERIOD {
             self.asked = Instant::now();
             self.at_once(b"?");
         }
@@ -275,7 +275,7 @@ impl Panel {
             let bytes = text.len() + 1;
             let under_way: usize = self.sent.iter().map(|sent| sent.bytes).sum();
             // A line that is longer than the buffer goes alone.
-            if under_way > 0 && under_way + bytes > BYTES {
+            if under_way > 0 && under_way + bytes > UNANSWERED_BYTES {
                 return;
             }
             self.at_once(format!("{text}\n").as_bytes());

@@ -72,7 +72,7 @@ pub fn meaning(code: KeyCode, modifiers: KeyModifiers) -> Key {
 }
 
 /// A terminal that takes nothing is given up after this time.
-const GIVEN_UP: Duration = Duration::from_millis(300);
+const WRITE_TIMEOUT: Duration = Duration::from_millis(300);
 
 /// A picture.
 type Picture = (State, Option<Says>, String);
@@ -109,7 +109,7 @@ impl Screen {
             && let Err(TrySendError::Disconnected(_)) =
                 pictures.try_send((state.clone(), panel.map(Panel::says), note.to_owned()))
         {
-            let why = self.drawn.recv_timeout(GIVEN_UP).unwrap_or(Ok(()));
+            let why = self.drawn.recv_timeout(WRITE_TIMEOUT).unwrap_or(Ok(()));
             return Err(failed(why.err().unwrap_or_else(|| io::Error::other("it takes nothing any more"))));
         }
         Ok(())
@@ -148,7 +148,7 @@ fn read_key() -> io::Result<Key> {
 impl Drop for Screen {
     fn drop(&mut self) {
         self.pictures = None;
-        let _ = self.drawn.recv_timeout(GIVEN_UP);
+        let _ = self.drawn.recv_timeout(WRITE_TIMEOUT);
     }
 }
 

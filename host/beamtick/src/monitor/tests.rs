@@ -3,7 +3,7 @@ use super::block::{self, Tone};
 use super::panel::{Panel, Program};
 use super::screen::{Key, Says, draw, meaning};
 use super::state::{AxisNow, JobNow, LaserNow, PathNow, ProgramNow, State, StreamNow, UNKNOWN_MS};
-use super::{BELOW, left_ms};
+use super::{PROGRESS_REFRESH_PERIOD, left_ms};
 use crate::command_line::{Command, CommandLine, Monitor};
 use crate::{connect, machine_file};
 use clap::Parser;
@@ -39,7 +39,7 @@ s_max = 1000
 ";
 
 /// Longest wait for what must come.
-const PATIENCE: Duration = Duration::from_secs(60);
+const WAIT_MAX: Duration = Duration::from_secs(60);
 
 fn sample() -> State {
     let axis = |name: &str, mm: f64, speed: f64| AxisNow {
@@ -168,7 +168,7 @@ fn the_time_left_is_that_of_the_plan() {
     assert_eq!(left_ms(2.0, Some(12.0)), 10_000);
     assert_eq!(left_ms(20.0, Some(12.0)), 0);
     assert_eq!(left_ms(2.0, None), UNKNOWN_MS);
-    assert!(BELOW >= Duration::from_millis(100), "reads of the block load the link");
+    assert!(PROGRESS_REFRESH_PERIOD >= Duration::from_millis(100), "reads of the block load the link");
 }
 
 /// Keys in front of a virtual controller in real time.
@@ -221,7 +221,7 @@ impl Rig {
         let began = Instant::now();
         while !is(self) {
             self.turn();
-            assert!(began.elapsed() < PATIENCE, "{:?}", self.panel.says());
+            assert!(began.elapsed() < WAIT_MAX, "{:?}", self.panel.says());
         }
     }
 

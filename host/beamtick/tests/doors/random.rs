@@ -15,9 +15,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Programs of a process.
-const BATCH: u64 = 6;
+const BATCH_PROGRAMS: u64 = 6;
 /// Rows before the end of the shortest trace that are not compared: how each door ends is its own.
-const END: usize = 60;
+const END_ROWS: usize = 60;
 
 /// A job decides about a call when it prepares the call's instant, and another door when the call
 /// comes. Where a motion or a piece of its data ends in that very tick, they may differ: so often a
@@ -146,7 +146,7 @@ fn traces(paths: &[PathBuf; 4]) -> Option<String> {
         .cloned()
         .collect();
     let rows: Vec<_> = traces.iter().map(|trace| trace.since_change(&names)).collect();
-    let length = rows.iter().map(Vec::len).min().unwrap().saturating_sub(END);
+    let length = rows.iter().map(Vec::len).min().unwrap().saturating_sub(END_ROWS);
     let first = (0..length).find(|at| rows.iter().any(|door| door[*at] != rows[3][*at]))?;
     let around = first.saturating_sub(2)..first + 3;
     let mut text = format!("row {first} of {length} behind the first change; {names:?}");
@@ -250,11 +250,11 @@ fn random_programs_are_the_same_through_every_door() {
             let (player, next, stop, ties, table, found) = (&player, &next, &stop, &ties, &table, &found);
             scope.spawn(move || {
                 loop {
-                    let at = next.fetch_add(BATCH, Relaxed);
+                    let at = next.fetch_add(BATCH_PROGRAMS, Relaxed);
                     if at >= count || stop.load(Relaxed) != 0 {
                         return;
                     }
-                    let seeds: Vec<u64> = (at..(at + BATCH).min(count)).map(|number| first + number).collect();
+                    let seeds: Vec<u64> = (at..(at + BATCH_PROGRAMS).min(count)).map(|number| first + number).collect();
                     let programmes: Vec<Programme> = seeds.iter().map(|seed| programme(*seed, calls)).collect();
                     let Some(differences) = compare(player, &format!("random{thread}"), &programmes, table) else {
                         return;

@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::Rng;
 
 /// mm between points of a mark, about.
-const SPACED: f64 = 0.02;
+const POINT_GAP_MM: f64 = 0.02;
 
 pub struct Drawing {
     pub text: String,
@@ -181,7 +181,7 @@ pub fn drawing(random: &mut Xoshiro256PlusPlus) -> Drawing {
         for piece in &figure.pieces {
             let coarse: Vec<[f64; 2]> = (0..=64).map(|k| machine(piece(f64::from(k) / 64.0))).collect();
             let longest = coarse.windows(2).map(|w| (w[0][0] - w[1][0]).hypot(w[0][1] - w[1][1])).fold(0.0, f64::max);
-            let count = (longest * 64.0 / SPACED).ceil().max(2.0) as u32;
+            let count = (longest * 64.0 / POINT_GAP_MM).ceil().max(2.0) as u32;
             points.extend((1..=count).map(|k| machine(piece(f64::from(k) / f64::from(count)))));
         }
         circles += if stretched { 0 } else { figure.arcs };

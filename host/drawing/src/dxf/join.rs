@@ -7,12 +7,12 @@ use crate::shape::{Piece, Point, Shape};
 use std::collections::HashMap;
 
 /// Ends in the same cell of this size meet, mm.
-const CELL: f64 = 1e-3;
+const CELL_MM: f64 = 1e-3;
 
 type Cell = (i64, i64);
 
 fn cell([x, y]: Point) -> Cell {
-    ((x / CELL).round() as i64, (y / CELL).round() as i64)
+    ((x / CELL_MM).round() as i64, (y / CELL_MM).round() as i64)
 }
 
 pub fn join(shapes: Vec<Shape>) -> Vec<Shape> {

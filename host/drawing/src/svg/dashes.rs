@@ -7,7 +7,7 @@ use kurbo::{Affine, BezPath, PathEl, Point, Shape};
 use usvg::tiny_skia_path::{Path, PathSegment};
 
 /// Most dashes of a drawing.
-pub const DASHES_MAX: f64 = 100_000.0;
+pub const MAX_DASHES: f64 = 100_000.0;
 
 /// A dash of length 0 is not exactly that where it is cut out, px.
 const DOT_PX: f64 = 1e-5;

@@ -1,7 +1,7 @@
 //! The answer to `?`: state, position, speed and what is on.
 //!
 //! In: a view of the machine, the state of the session. Out: a report line. Cannot fail.
-use super::{BLOCKS, BYTES, Session, Wait};
+use super::{PLANNER_BLOCKS, RECEIVE_BYTES, Session, Wait};
 use crate::feeder::View;
 use crate::report::Report;
 
@@ -60,7 +60,10 @@ impl Session<'_> {
             state: self.state(&view),
             at,
             zero: self.stream.offsets().zero,
-            free: (BLOCKS - motions.min(BLOCKS), BYTES.saturating_sub(self.received.len() + self.line.len())),
+            free: (
+                PLANNER_BLOCKS - motions.min(PLANNER_BLOCKS),
+                RECEIVE_BYTES.saturating_sub(self.received.len() + self.line.len()),
+            ),
             feed: feed.sqrt() * 60_000.0,
             power,
             overrides: self.overrides,

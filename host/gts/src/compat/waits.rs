@@ -4,8 +4,8 @@
 //! there, or at its deadline. Where the controller's time passes in calls and sleeps only
 //! (`virtual:max`), sleeps of several threads overlap as they would on a clock: time goes on to the
 //! earliest deadline once every thread waits here. A thread that waits elsewhere, in a lock or a
-//! `join` of its own, is not known here; after [`GRACE`] of wall-clock time the others go on
-//! without it, until it comes here again.
+//! `join` of its own, is not known here; after [`OTHERS_TIMEOUT`] of wall-clock time the others go
+//! on without it, until it comes here again.
 
 use super::clock::{Source, Virtual, now};
 use crate::card::Time;
@@ -16,9 +16,9 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Waited for threads that do not wait here; then they count as waiting elsewhere.
-const GRACE: Duration = Duration::from_millis(100);
+const OTHERS_TIMEOUT: Duration = Duration::from_millis(100);
 /// A call waits so long for threads whose deadline it has passed.
-const DUE: Duration = Duration::from_millis(5);
+const DEADLINE_TIMEOUT: Duration = Duration::from_millis(5);
 /// Between two looks of a thread that waits for others.
 const THREAD_POLL_PERIOD: Duration = Duration::from_millis(2);
 /// The longest wall-clock wait between two looks.
@@ -229,11 +229,11 @@ pub fn wait<T>(time: Option<Duration>, mut ready: impl FnMut(&mut Inner) -> Opti
                 if (calm.0, calm.1) != (signals, left) {
                     calm = (signals, left, Instant::now());
                 }
-                if calm.2.elapsed() >= GRACE {
+                if calm.2.elapsed() >= OTHERS_TIMEOUT {
                     inner.away = inner.active.clone();
                 }
                 let is_first = deadline.is_some() && inner.earliest() == *deadline;
-                let goes_on = inner.is_quiet() || calm.2.elapsed() >= GRACE;
+                let goes_on = inner.is_quiet() || calm.2.elapsed() >= OTHERS_TIMEOUT;
                 // An axis on its way home is looked at in between.
                 let portion = homes.step(client).map_or(left, |look| left.min(look));
                 if is_first && goes_on && client.sleep(portion).is_ok() {
@@ -260,7 +260,7 @@ pub fn time_passed() {
     }
     let source = Source::current(false);
     let due = |inner: &Inner| inner.earliest().is_some_and(|first| first <= now(&source));
-    let end = Instant::now() + DUE;
+    let end = Instant::now() + DEADLINE_TIMEOUT;
     let mut inner = lock();
     while due(&inner) && Instant::now() < end {
         BELL.notify_all();

@@ -21,7 +21,7 @@ fn every_function_that_reads_arrays_has_a_range_of_counts() {
 /// them that must stay.
 struct Memory(Box<[u8]>, usize);
 
-const AROUND: usize = if cfg!(miri) { 0 } else { 16 };
+const AROUND_BYTES: usize = if cfg!(miri) { 0 } else { 16 };
 
 impl Memory {
     fn new(values: usize, of: Scalar) -> Memory {
@@ -33,19 +33,19 @@ impl Memory {
         memory
     }
     fn bytes(length: usize) -> Memory {
-        Memory(vec![0xa5; length + 2 * AROUND].into(), length)
+        Memory(vec![0xa5; length + 2 * AROUND_BYTES].into(), length)
     }
     fn of_struct(of: Type) -> Memory {
         let (name, scalar, count) = prototype::members(of).pop().unwrap();
         let mut memory = Memory::bytes(scalar_member(of, name).1 + count * size(scalar));
-        memory.0[AROUND..AROUND + memory.1].fill(0);
+        memory.0[AROUND_BYTES..AROUND_BYTES + memory.1].fill(0);
         memory
     }
     fn address(&mut self) -> *mut c_void {
-        self.0[AROUND..].as_mut_ptr().cast()
+        self.0[AROUND_BYTES..].as_mut_ptr().cast()
     }
     fn is_whole(&self) -> bool {
-        self.0[..AROUND].iter().chain(&self.0[AROUND + self.1..]).all(|byte| *byte == 0xa5)
+        self.0[..AROUND_BYTES].iter().chain(&self.0[AROUND_BYTES + self.1..]).all(|byte| *byte == 0xa5)
     }
 }
 

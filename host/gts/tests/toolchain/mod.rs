@@ -113,7 +113,7 @@ pub fn output_of(command: &mut Command) -> String {
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if began.elapsed() > LIMIT {
+        if began.elapsed() > RUN_TIMEOUT {
             child.kill().unwrap();
             let (text, errors) = (text.join().unwrap(), errors.join().unwrap());
             panic!("{command:?} does not end: {text}{errors}");
@@ -126,7 +126,7 @@ pub fn output_of(command: &mut Command) -> String {
 }
 
 /// The longest time of a program.
-const LIMIT: Duration = Duration::from_secs(300);
+const RUN_TIMEOUT: Duration = Duration::from_secs(300);
 
 fn read(pipe: &mut impl Read) -> String {
     let mut bytes = Vec::new();

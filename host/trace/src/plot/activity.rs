@@ -1,15 +1,15 @@
 //! What a digital signal did over time: every change while they are few, else its share of time.
 //!
 //! In: times at which it was high, pulse trains, in ns and in order. Out: highs, or [`Bin`]s. Owns
-//! a bounded number of highs and [`BINS`] bins, however long the signal is and however fast.
+//! a bounded number of highs and [`MAX_BINS`] bins, however long the signal is and however fast.
 use super::window::Window;
 use plant::pulses::Burst;
 
 /// So many highs are kept one by one for a picture, and for a page, which can be enlarged.
-pub(super) const HIGHS_MAX: usize = 2_000;
-pub(super) const HIGHS_OF_A_PAGE: usize = 50_000;
+pub(super) const PICTURE_HIGHS: usize = 2_000;
+pub(super) const PAGE_HIGHS: usize = 50_000;
 /// Most bins.
-const BINS: usize = 4096;
+const MAX_BINS: usize = 4096;
 /// Width of the first bins, ns, where the end is not known.
 const FIRST_NS: u64 = 1_000;
 
@@ -42,7 +42,7 @@ impl Activity {
     pub fn new(window: Window, most: usize) -> Self {
         let width = match window.to {
             u64::MAX => FIRST_NS,
-            to => (to.saturating_sub(window.from) / (BINS as u64 - 1)).max(1),
+            to => (to.saturating_sub(window.from) / (MAX_BINS as u64 - 1)).max(1),
         };
         Activity { window, most, highs: Vec::new(), many: false, bins: Vec::new(), width, since: None }
     }
@@ -126,7 +126,7 @@ impl Activity {
 
     /// Makes bins wide enough for `t`.
     fn widen(&mut self, t: u64) {
-        while (t - self.window.from.min(t)) / self.width >= BINS as u64 {
+        while (t - self.window.from.min(t)) / self.width >= MAX_BINS as u64 {
             self.bins = self
                 .bins
                 .chunks(2)

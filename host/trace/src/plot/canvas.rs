@@ -12,17 +12,17 @@ use std::io::BufWriter;
 use std::path::Path;
 
 /// A PNG is drawn this many times as large and made smaller.
-const SMOOTH: u32 = 2;
+const OVERSAMPLING_RATIO: u32 = 2;
 /// Height of the heading.
-pub(super) const HEAD: u32 = 62;
+pub(super) const HEADING_PX: u32 = 62;
 
 /// Greatest height of a diagram of one axis over another.
-const TALL: u32 = 860;
+const MAX_HEIGHT_PX: u32 = 860;
 /// Least height of it, and least width.
-const LOW: u32 = 240;
-const NARROW: u32 = 520;
+const MIN_HEIGHT_PX: u32 = 240;
+const MIN_WIDTH_PX: u32 = 520;
 /// Share of the extent that is free around what is drawn.
-const AIR: f64 = 0.05;
+const MARGIN_SHARE: f64 = 0.05;
 
 /// Least and greatest of x, and of y.
 pub(super) type Extent = ((f64, f64), (f64, f64));
@@ -33,10 +33,10 @@ pub(super) fn same_scale(extent: Extent, most_wide: f64) -> ((u32, u32), [(f64, 
     let (dx, dy) = (extent.0.1 - extent.0.0, extent.1.1 - extent.1.0);
     let most = dx.max(dy);
     let least = if most > 0.0 { most * 0.02 } else { 1.0 };
-    let wide = |(low, high): (f64, f64)| (high - low).max(least) * (1.0 + 2.0 * AIR);
+    let wide = |(low, high): (f64, f64)| (high - low).max(least) * (1.0 + 2.0 * MARGIN_SHARE);
     let (dx, dy) = (wide(extent.0), wide(extent.1));
-    let width = (f64::from(TALL) * dx / dy).clamp(f64::from(NARROW).min(most_wide), most_wide).round();
-    let height = (width * dy / dx).clamp(LOW.into(), TALL.into()).round();
+    let width = (f64::from(MAX_HEIGHT_PX) * dx / dy).clamp(f64::from(MIN_WIDTH_PX).min(most_wide), most_wide).round();
+    let height = (width * dy / dx).clamp(MIN_HEIGHT_PX.into(), MAX_HEIGHT_PX.into()).round();
     let per_pixel = (dx / width).max(dy / height);
     let range = |(low, high): (f64, f64), pixels: f64| {
         let (middle, half) = (f64::midpoint(low, high), pixels * per_pixel / 2.0);
@@ -139,18 +139,18 @@ pub(super) fn legend<B: DrawingBackend>(
     Ok(())
 }
 
-/// Draws [`SMOOTH`] times as large and takes means, so that slanted lines are smooth.
+/// Draws [`OVERSAMPLING_RATIO`] times as large and takes means, so that slanted lines are smooth.
 fn save_png(picture: &impl Picture, path: &Path) -> Result<()> {
     let (width, height) = picture.size();
-    let large = (width * SMOOTH, height * SMOOTH);
+    let large = (width * OVERSAMPLING_RATIO, height * OVERSAMPLING_RATIO);
     let mut pixels = vec![0; large.0 as usize * large.1 as usize * 3];
     {
         let area = BitMapBackend::with_buffer(&mut pixels, large).into_drawing_area();
         area.fill(&WHITE).map_err(as_plot)?;
-        picture.draw(&area, SMOOTH)?;
+        picture.draw(&area, OVERSAMPLING_RATIO)?;
         area.present().map_err(as_plot)?;
     }
-    let small = shrink(&pixels, large.0 as usize, SMOOTH as usize);
+    let small = shrink(&pixels, large.0 as usize, OVERSAMPLING_RATIO as usize);
     let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
@@ -167,7 +167,7 @@ pub(super) fn head<B: DrawingBackend>(
     options: &PlotOptions,
     scale: u32,
 ) -> Result<DrawingArea<B, Shift>> {
-    let (head, rest) = area.split_vertically(HEAD * scale);
+    let (head, rest) = area.split_vertically(HEADING_PX * scale);
     for (text, y, size, colour) in [(&options.title, 12, 22, INK), (&options.subtitle, 40, 14, FAINT)] {
         head.draw(&Text::new(text.clone(), place(24, y, scale), font(size, colour, scale))).map_err(as_plot)?;
     }

@@ -2,8 +2,8 @@
 
 /// Most pairs of extremes that a curve of a picture keeps, and one of a page, which can be
 /// enlarged.
-pub(super) const BUCKETS: usize = 4096;
-pub(super) const BUCKETS_OF_A_PAGE: usize = 1 << 15;
+pub(super) const PICTURE_BUCKETS: usize = 4096;
+pub(super) const PAGE_BUCKETS: usize = 1 << 15;
 
 /// A value and its time in ms.
 pub(super) type Point = (f64, f64);

@@ -15,7 +15,7 @@ use std::path::Path;
 const SCRIPT: &str = include_str!("../../assets/page.js");
 const STYLE: &str = include_str!("../../assets/page.css");
 /// Intervals in which a signal with too many pulses is shown as its share of time.
-const INTERVALS: usize = 4096;
+const MAX_INTERVALS: usize = 4096;
 
 pub(super) fn save(plot: &Plot, xy: Option<&Xy>, path: &Path) -> Result<()> {
     let svg = xy.map(Xy::svg).transpose()?.flatten();
@@ -88,13 +88,13 @@ fn digital(text: &mut String, activity: &Activity, (from, to): (f64, f64)) {
         text.push_str("\"highs\":[");
         numbers(text, highs.iter().flat_map(|(from, to)| [*from as f64 * 1e-6, *to as f64 * 1e-6]));
     } else {
-        let wide = (to - from) / INTERVALS as f64;
+        let wide = (to - from) / MAX_INTERVALS as f64;
         let share = |index: usize| {
             let begin = (from + wide * index as f64) * 1e6;
             activity.between(begin, begin + wide * 1e6).on / (wide * 1e6) * 100.0
         };
         text.push_str("\"shares\":[");
-        numbers(text, (0..INTERVALS).map(share));
+        numbers(text, (0..MAX_INTERVALS).map(share));
     }
     text.push_str("]}");
 }

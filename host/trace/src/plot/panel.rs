@@ -13,19 +13,19 @@ pub(super) const GRID: RGBColor = RGBColor(0xe4, 0xe8, 0xec);
 pub(super) const FRAME: RGBColor = RGBColor(0xb4, 0xbb, 0xc2);
 
 /// Width of the value labels.
-pub(super) const LEFT: u32 = 88;
+pub(super) const LEFT_PX: u32 = 88;
 /// What is free on the right.
-pub(super) const RIGHT: u32 = 28;
+pub(super) const RIGHT_PX: u32 = 28;
 /// Width of value labels on the right, where a panel has some.
-const BESIDE: u32 = 64;
+const RIGHT_LABELS_PX: u32 = 64;
 /// Height of a panel's caption.
-pub(super) const CAPTION: u32 = 26;
+pub(super) const CAPTION_PX: u32 = 26;
 /// Height of the time axis' labels.
-pub(super) const FOOT: u32 = 58;
+pub(super) const TIME_LABELS_PX: u32 = 58;
 /// Pulses that begin closer to each other than this many pixels are not drawn one by one.
-const APART: f64 = 8.0;
+const MIN_PULSE_GAP_PX: f64 = 8.0;
 /// Height of a digital signal.
-const DIGITAL: u32 = 86;
+const DIGITAL_HEIGHT_PX: u32 = 86;
 
 /// What a panel shows.
 pub(super) enum Content<'a> {
@@ -89,15 +89,15 @@ impl Panel<'_> {
     pub fn height(&self, of_a_quantity: u32) -> u32 {
         match self.content {
             Content::Quantity(_) => of_a_quantity,
-            Content::Digital(_) => DIGITAL,
+            Content::Digital(_) => DIGITAL_HEIGHT_PX,
         }
     }
 
     /// Draws it; the last one carries the time axis.
     pub fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, frame: &Frame, last: bool) -> Result<()> {
         let scale = frame.scale;
-        let right = RIGHT + if frame.beside { BESIDE } else { 0 };
-        let width = (area.dim_in_pixel().0 / scale).saturating_sub(LEFT + right).max(1);
+        let right = RIGHT_PX + if frame.beside { RIGHT_LABELS_PX } else { 0 };
+        let width = (area.dim_in_pixel().0 / scale).saturating_sub(LEFT_PX + right).max(1);
         let drawing = match self.content {
             Content::Quantity(_) => None,
             Content::Digital(activity) => Some(drawing(activity, frame.span, width)),
@@ -108,7 +108,7 @@ impl Panel<'_> {
         } else {
             self.caption.clone()
         };
-        area.draw(&Text::new(caption, place(LEFT, 7, scale), font(14, self.colour, scale))).map_err(as_plot)?;
+        area.draw(&Text::new(caption, place(LEFT_PX, 7, scale), font(14, self.colour, scale))).map_err(as_plot)?;
 
         let (start, end) = frame.span;
         // From ten seconds on, seconds read better than milliseconds; below a tenth of one,
@@ -125,14 +125,14 @@ impl Panel<'_> {
         if let Some(beside) = &self.beside {
             let text = font(14, beside.colour, scale);
             let wide = text.font.box_size(&beside.caption).map_or(200, |size| size.0 / scale);
-            let at = (LEFT + width).saturating_sub(wide);
+            let at = (LEFT_PX + width).saturating_sub(wide);
             area.draw(&Text::new(beside.caption.clone(), place(at, 7, scale), text)).map_err(as_plot)?;
         }
         let mut chart = ChartBuilder::on(area)
-            .margin_top(CAPTION * scale)
+            .margin_top(CAPTION_PX * scale)
             .margin_right(right * scale)
-            .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
-            .set_label_area_size(LabelAreaPosition::Bottom, if last { FOOT * scale } else { 0 })
+            .set_label_area_size(LabelAreaPosition::Left, LEFT_PX * scale)
+            .set_label_area_size(LabelAreaPosition::Bottom, if last { TIME_LABELS_PX * scale } else { 0 })
             .build_cartesian_2d(start * factor..end * factor, low..high)
             .map_err(as_plot)?;
         let step_x = tick_step((end - start) * factor);
@@ -174,11 +174,11 @@ impl Panel<'_> {
             let step = tick_step(most - least);
             // The other quantity has its own scale in the same area, drawn as a chart of its own.
             let mut second = ChartBuilder::on(area)
-                .margin_top(CAPTION * scale)
-                .margin_left(LEFT * scale)
-                .margin_right(RIGHT * scale)
-                .margin_bottom(if last { FOOT * scale } else { 0 })
-                .set_label_area_size(LabelAreaPosition::Right, BESIDE * scale)
+                .margin_top(CAPTION_PX * scale)
+                .margin_left(LEFT_PX * scale)
+                .margin_right(RIGHT_PX * scale)
+                .margin_bottom(if last { TIME_LABELS_PX * scale } else { 0 })
+                .set_label_area_size(LabelAreaPosition::Right, RIGHT_LABELS_PX * scale)
                 .build_cartesian_2d(start * factor..end * factor, least..most)
                 .map_err(as_plot)?;
             second
@@ -226,7 +226,7 @@ fn range(curves: &[Curve], from_zero: bool) -> (f64, f64) {
 
 fn drawing(activity: &Activity, span: (f64, f64), width: u32) -> Drawing {
     let column = (span.1 - span.0) / f64::from(width);
-    let apart = column * APART * 1e6;
+    let apart = column * MIN_PULSE_GAP_PX * 1e6;
     match activity.highs() {
         Some(highs) if highs.windows(2).all(|pair| (pair[1].0 - pair[0].0) as f64 >= apart) => edges(highs, span),
         Some(highs) => Drawing::Shares(cells(highs, span, apart, column)),
@@ -317,7 +317,7 @@ mod tests {
         let alone = [100_000_000, 900_000_000].map(|at| (at, at + 1_000));
         let highs: Vec<(u64, u64)> = train.chain(alone).collect();
         let column = 1000.0 / 800.0;
-        let cells = cells(&highs, (0.0, 1000.0), column * APART * 1e6, column);
+        let cells = cells(&highs, (0.0, 1000.0), column * MIN_PULSE_GAP_PX * 1e6, column);
         let [.., first, last] = &cells[..] else { panic!("{} cells", cells.len()) };
         for (cell, at) in [(first, 100.0), (last, 900.0)] {
             assert!((cell.from, cell.share) == (at, 100.0) && cell.to >= at + column, "{at} to {}", cell.to);

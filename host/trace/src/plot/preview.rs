@@ -2,8 +2,8 @@
 //!
 //! In: points in mm, and what is lit on the way to each. Out: a PNG or an SVG with the same scale
 //! in both directions and a legend. Owns a [`Route`]. Fails with [`TraceError::Plot`].
-use super::canvas::{self, Chart, HEAD, Picture, Sign};
-use super::panel::{CAPTION, FOOT, FRAME, GRID, LEFT, RIGHT};
+use super::canvas::{self, Chart, HEADING_PX, Picture, Sign};
+use super::panel::{CAPTION_PX, FRAME, GRID, LEFT_PX, RIGHT_PX, TIME_LABELS_PX};
 use super::route::Route;
 use super::text::{FAINT, INK, as_plot, font, place, tick_step, tick_text};
 use super::xy::spaced;
@@ -23,7 +23,7 @@ const OUTSIDE: RGBColor = RGBColor(0xf2, 0x8c, 0x00);
 const EDGE: RGBColor = RGBColor(0x2d, 0x7d, 0x46);
 const BEYOND: RGBColor = RGBColor(0xfb, 0xf1, 0xe2);
 /// Pixels from one drawn point to the next.
-const SPACED: i32 = 2;
+const POINT_GAP_PX: i32 = 2;
 
 /// What a part of a path is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,10 +84,10 @@ impl Preview {
     /// The part of a line that is within the travel, from 0 to 1.
     fn within(&self, from: (f64, f64), to: (f64, f64)) -> (f64, f64) {
         // Rounding of a file moves nothing outside.
-        const NEAR: f64 = 0.001;
+        const NEAR_MM: f64 = 0.001;
         let (mut enters, mut leaves) = (0.0f64, 1.0f64);
         for ((start, end), (least, most)) in [(from.0, to.0), (from.1, to.1)].into_iter().zip(self.travel) {
-            let (least, most, way) = (least - NEAR, most + NEAR, end - start);
+            let (least, most, way) = (least - NEAR_MM, most + NEAR_MM, end - start);
             if way == 0.0 {
                 if start < least || start > most {
                     return (1.0, 1.0);
@@ -114,7 +114,7 @@ impl Preview {
 
     fn layout(&self) -> ((u32, u32), [(f64, f64); 2]) {
         let extent = self.route.extent().unwrap_or_default();
-        canvas::same_scale(extent, f64::from(self.options.width.max(480) - LEFT - RIGHT))
+        canvas::same_scale(extent, f64::from(self.options.width.max(480) - LEFT_PX - RIGHT_PX))
     }
 
     fn has(&self, what: Part) -> bool {
@@ -123,7 +123,7 @@ impl Preview {
 
     /// Lines of one kind.
     fn draw_part<B: DrawingBackend>(&self, chart: &mut Chart<'_, B>, what: Part, stroke: ShapeStyle) -> Result<()> {
-        let near = SPACED.min(stroke.stroke_width as i32);
+        let near = POINT_GAP_PX.min(stroke.stroke_width as i32);
         let mut remaining = self.route.nodes();
         while let Some(begin) = remaining.iter().position(|node| node.light == Some(what)) {
             let run = &remaining[begin..];
@@ -139,14 +139,14 @@ impl Preview {
 impl Picture for Preview {
     fn size(&self) -> (u32, u32) {
         let (width, height) = self.layout().0;
-        (LEFT + width + RIGHT, HEAD + CAPTION + height + FOOT)
+        (LEFT_PX + width + RIGHT_PX, HEADING_PX + CAPTION_PX + height + TIME_LABELS_PX)
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()> {
         let rest = canvas::head(area, &self.options, scale)?;
         let ((width, _), [x, y]) = self.layout();
         let [across, up] = self.letters;
-        rest.draw(&Text::new(format!("{up} (mm)"), place(LEFT, 7, scale), font(14, POSITION, scale)))
+        rest.draw(&Text::new(format!("{up} (mm)"), place(LEFT_PX, 7, scale), font(14, POSITION, scale)))
             .map_err(as_plot)?;
         let leaves =
             self.travel[0].0 > x.0 || self.travel[0].1 < x.1 || self.travel[1].0 > y.0 || self.travel[1].1 < y.1;
@@ -166,12 +166,12 @@ impl Picture for Preview {
             .filter(|(.., shown)| *shown)
             .map(|(sign, colour, text, _)| (sign, colour, text))
             .collect();
-        canvas::legend(&rest, (LEFT + 60, LEFT + width), &shown, scale)?;
+        canvas::legend(&rest, (LEFT_PX + 60, LEFT_PX + width), &shown, scale)?;
         let mut chart = ChartBuilder::on(&rest)
-            .margin_top(CAPTION * scale)
-            .margin_right(RIGHT * scale)
-            .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
-            .set_label_area_size(LabelAreaPosition::Bottom, FOOT * scale)
+            .margin_top(CAPTION_PX * scale)
+            .margin_right(RIGHT_PX * scale)
+            .set_label_area_size(LabelAreaPosition::Left, LEFT_PX * scale)
+            .set_label_area_size(LabelAreaPosition::Bottom, TIME_LABELS_PX * scale)
             .build_cartesian_2d(x.0..x.1, y.0..y.1)
             .map_err(as_plot)?;
         self.draw_beyond(&mut chart, [x, y])?;

@@ -1,13 +1,13 @@
 //! The path of two axes, with the light on it.
 //!
 //! In: points in the order of time, and whether light is on from each of them on. Out: the same,
-//! without details too small to see. Owns at most [`NODES_MAX`] nodes. Beyond that, points closer
+//! without details too small to see. Owns at most [`MAX_NODES`] nodes. Beyond that, points closer
 //! together than a fraction of the extent become one, and a mark shorter than that is lost. Fails
 //! never.
 use crate::row::PowerUnit;
 
 /// Most nodes.
-const NODES_MAX: usize = 1 << 17;
+const MAX_NODES: usize = 1 << 17;
 /// Nodes closer together than this share of the extent may become one.
 const NODE_GAP_SHARE: f64 = 1.0 / 8192.0;
 
@@ -45,7 +45,7 @@ impl<L: Copy> Route<L> {
     /// At `t` it was here, and from here on there is this light.
     pub fn push(&mut self, t: u64, (x, y): (f64, f64), light: Option<L>) {
         add(&mut self.nodes, self.apart, Node { x, y, from: t, until: t, light }, false);
-        if self.nodes.len() == NODES_MAX {
+        if self.nodes.len() == MAX_NODES {
             self.thin();
         }
     }
@@ -54,7 +54,7 @@ impl<L: Copy> Route<L> {
     fn thin(&mut self) {
         let Some(((left, right), (low, high))) = self.extent() else { return };
         let least = (right - left).max(high - low) * NODE_GAP_SHARE;
-        while self.nodes.len() > NODES_MAX / 2 {
+        while self.nodes.len() > MAX_NODES / 2 {
             self.apart = (self.apart * 2.0).max(least);
             for node in std::mem::take(&mut self.nodes) {
                 add(&mut self.nodes, self.apart, node, true);

@@ -4,8 +4,8 @@
 //! directions. What is lit has the colour of its power, which a bar explains; light of a second
 //! laser has a colour of its own. Owns a [`Route`] for
 //! each laser. Fails with [`TraceError::Plot`] and [`TraceError::Window`].
-use super::canvas::{self, Chart, HEAD, Picture, Sign};
-use super::panel::{CAPTION, FOOT, FRAME, GRID, LEFT, RIGHT};
+use super::canvas::{self, Chart, HEADING_PX, Picture, Sign};
+use super::panel::{CAPTION_PX, FRAME, GRID, LEFT_PX, RIGHT_PX, TIME_LABELS_PX};
 use super::route::{Node, Power, Route};
 use super::text::{FAINT, INK, as_plot, font, place, tick_step, tick_text};
 use super::window::Window;
@@ -18,13 +18,13 @@ use plotters::prelude::*;
 use std::path::Path;
 
 /// Width of the bar that explains colours, with its labels.
-const BAR: u32 = 132;
+const COLOUR_BAR_PX: u32 = 132;
 /// Pixels from one arrow to the next.
-const ARROWS: f64 = 130.0;
+const ARROW_GAP_PX: f64 = 130.0;
 /// Most arrows.
-const ARROWS_MAX: f64 = 60.0;
+const MAX_ARROWS: f64 = 60.0;
 /// A direction is that of this many pixels.
-const BACK: f64 = 4.0;
+const DIRECTION_PX: f64 = 4.0;
 /// Colours from the least to the greatest power.
 const COLOURS: [RGBColor; 5] = [
     RGBColor(0x25, 0x3c, 0x9e),
@@ -34,9 +34,9 @@ const COLOURS: [RGBColor; 5] = [
     RGBColor(0xf2, 0xa9, 0x00),
 ];
 /// Pixels from one drawn point to the next.
-const SPACED: i32 = 2;
+const POINT_GAP_PX: i32 = 2;
 /// Colours that can be distinguished.
-const SHADES: usize = 64;
+const COLOUR_STEPS: usize = 64;
 /// Light of a laser that the bar is not for.
 const OTHER: RGBColor = RGBColor(0x0b, 0x7d, 0x6e);
 /// The path without light.
@@ -193,13 +193,13 @@ impl Xy {
     }
 
     fn bar_width(&self) -> u32 {
-        if self.beam().is_some_and(Beam::is_lit) { BAR } else { 0 }
+        if self.beam().is_some_and(Beam::is_lit) { COLOUR_BAR_PX } else { 0 }
     }
 
     /// Width and height of the diagram in pixels, and the ranges that it shows: as many pulses a
     /// pixel in x as in y.
     fn layout(&self) -> ((u32, u32), [(f64, f64); 2]) {
-        let most_wide = f64::from(self.options.width.max(480) - LEFT - RIGHT - self.bar_width());
+        let most_wide = f64::from(self.options.width.max(480) - LEFT_PX - RIGHT_PX - self.bar_width());
         let extent = self.beam().and_then(|beam| beam.route.extent()).unwrap_or_default();
         canvas::same_scale(extent, most_wide)
     }
@@ -237,13 +237,13 @@ fn colour(share: f64) -> RGBColor {
 /// The shade of a power; light of another unit has none.
 fn shade(light: Power, (unit, most): (PowerUnit, f64)) -> Option<usize> {
     let share = if most > 0.0 { light.1.abs() / most } else { 0.0 };
-    (light.0 == unit).then_some((share * (SHADES - 1) as f64).round() as usize)
+    (light.0 == unit).then_some((share * (COLOUR_STEPS - 1) as f64).round() as usize)
 }
 
 impl Picture for Xy {
     fn size(&self) -> (u32, u32) {
         let (width, height) = self.layout().0;
-        (LEFT + width + RIGHT + self.bar_width(), HEAD + CAPTION + height + FOOT)
+        (LEFT_PX + width + RIGHT_PX + self.bar_width(), HEADING_PX + CAPTION_PX + height + TIME_LABELS_PX)
     }
 
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: u32) -> Result<()> {
@@ -251,17 +251,18 @@ impl Picture for Xy {
         let rest = canvas::head(area, &self.options, scale)?;
         let ((width, _), [x, y]) = self.layout();
         let bar = beam.scale();
-        let (left, right) = rest.split_horizontally((LEFT + width + if bar.is_some() { 0 } else { RIGHT }) * scale);
+        let (left, right) =
+            rest.split_horizontally((LEFT_PX + width + if bar.is_some() { 0 } else { RIGHT_PX }) * scale);
         let caption = |text: String, at: u32, colour| Text::new(text, place(at, 7, scale), font(14, colour, scale));
         let label = self.label(self.axes.1);
-        let begins = LEFT + font(14, INK, 1).font.box_size(&label).map_or(120, |size| size.0) + 16;
-        left.draw(&caption(label, LEFT, POSITION)).map_err(as_plot)?;
-        let mut ends = LEFT + width;
+        let begins = LEFT_PX + font(14, INK, 1).font.box_size(&label).map_or(120, |size| size.0) + 16;
+        left.draw(&caption(label, LEFT_PX, POSITION)).map_err(as_plot)?;
+        let mut ends = LEFT_PX + width;
         if let Some(bar) = bar {
             let name = beam.name.map_or(0, |name| name.0);
             let text = format!("light of laser {name}, {}", quantity(bar.0));
             let wide = font(14, INK, 1).font.box_size(&text).map_or(240, |size| size.0);
-            let at = (LEFT + width + BAR).saturating_sub(wide + 8);
+            let at = (LEFT_PX + width + COLOUR_BAR_PX).saturating_sub(wide + 8);
             rest.draw(&caption(text, at, INK)).map_err(as_plot)?;
             draw_bar(&right, bar, scale)?;
             ends = at.saturating_sub(24);
@@ -274,10 +275,10 @@ impl Picture for Xy {
         signs.splice(0..0, light.as_deref().map(|light| (Sign::Line, OTHER, light)));
         canvas::legend(&rest, (begins, ends), &signs, scale)?;
         let mut chart = ChartBuilder::on(&left)
-            .margin_top(CAPTION * scale)
-            .margin_right(if bar.is_some() { 0 } else { RIGHT * scale })
-            .set_label_area_size(LabelAreaPosition::Left, LEFT * scale)
-            .set_label_area_size(LabelAreaPosition::Bottom, FOOT * scale)
+            .margin_top(CAPTION_PX * scale)
+            .margin_right(if bar.is_some() { 0 } else { RIGHT_PX * scale })
+            .set_label_area_size(LabelAreaPosition::Left, LEFT_PX * scale)
+            .set_label_area_size(LabelAreaPosition::Bottom, TIME_LABELS_PX * scale)
             .build_cartesian_2d(x.0..x.1, y.0..y.1)
             .map_err(as_plot)?;
         let (step_x, step_y) = (tick_step(x.1 - x.0), tick_step(y.1 - y.0));
@@ -308,16 +309,16 @@ impl Picture for Xy {
 fn draw_bar<B: DrawingBackend>(area: &DrawingArea<B, Shift>, (_, most): (PowerUnit, f64), scale: u32) -> Result<()> {
     let most = if most > 0.0 { most } else { 1.0 };
     let mut chart = ChartBuilder::on(area)
-        .margin_top(CAPTION * scale)
+        .margin_top(CAPTION_PX * scale)
         .margin_left(28 * scale)
-        .margin_right(RIGHT * scale)
-        .margin_bottom(FOOT * scale)
+        .margin_right(RIGHT_PX * scale)
+        .margin_bottom(TIME_LABELS_PX * scale)
         .set_label_area_size(LabelAreaPosition::Right, 58 * scale)
         .build_cartesian_2d(0.0..1.0, 0.0..most)
         .map_err(as_plot)?;
     let step = tick_step(most);
     let band = |index: usize| {
-        let (low, high) = (index as f64 / SHADES as f64, (index + 1) as f64 / SHADES as f64);
+        let (low, high) = (index as f64 / COLOUR_STEPS as f64, (index + 1) as f64 / COLOUR_STEPS as f64);
         Rectangle::new([(0.0, low * most), (1.0, high * most)], colour((low + high) / 2.0).filled())
     };
     chart
@@ -330,7 +331,7 @@ fn draw_bar<B: DrawingBackend>(area: &DrawingArea<B, Shift>, (_, most): (PowerUn
         .y_label_formatter(&|y| tick_text(*y, step))
         .draw()
         .map_err(as_plot)?;
-    chart.draw_series((0..SHADES).map(band)).map_err(as_plot)?;
+    chart.draw_series((0..COLOUR_STEPS).map(band)).map_err(as_plot)?;
     Ok(())
 }
 
@@ -354,12 +355,12 @@ fn draw_path<B: DrawingBackend>(chart: &mut Chart<'_, B>, beam: &Beam, other: bo
                 None => plain,
                 Some(None) if other => OTHER.stroke_width(3 * scale),
                 Some(None) => INK.stroke_width(3 * scale),
-                Some(Some(shade)) => colour(shade as f64 / (SHADES - 1) as f64).stroke_width(3 * scale),
+                Some(Some(shade)) => colour(shade as f64 / (COLOUR_STEPS - 1) as f64).stroke_width(3 * scale),
             };
             if lit != shade.is_some() {
                 continue;
             }
-            let points = spaced(chart, path, SPACED * scale as i32);
+            let points = spaced(chart, path, POINT_GAP_PX * scale as i32);
             canvas::line(chart, points, stroke)?;
             // Light at standstill.
             let standstills = path.windows(2).filter(|pair| (pair[0].x, pair[0].y) == (pair[1].x, pair[1].y));
@@ -404,7 +405,7 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], sc
     };
     let spots: Vec<(f64, f64)> = nodes.iter().map(|node| spot(node.x, node.y)).collect();
     let length: f64 = spots.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-    let apart = ARROWS.max(length / ARROWS_MAX);
+    let apart = ARROW_GAP_PX.max(length / MAX_ARROWS);
     let mut due = apart / 2.0;
     let mut gone = 0.0;
     let mut back = spots.first().copied().unwrap_or_default();
@@ -413,14 +414,14 @@ fn draw_signs<B: DrawingBackend>(chart: &Chart<'_, B>, nodes: &[Node<Power>], sc
         while gone + piece >= due && piece > 0.0 {
             let part = (due - gone) / piece;
             let tip = (pair[0].0 + (pair[1].0 - pair[0].0) * part, pair[0].1 + (pair[1].1 - pair[0].1) * part);
-            let from = if part * piece >= BACK { pair[0] } else { back };
+            let from = if part * piece >= DIRECTION_PX { pair[0] } else { back };
             if distance(from, tip) > 0.0 {
                 area.draw(&Polygon::new(arrow(from, tip).map(near), INK.filled())).map_err(as_plot)?;
             }
             due += apart;
         }
         gone += piece;
-        if distance(back, pair[1]) >= BACK {
+        if distance(back, pair[1]) >= DIRECTION_PX {
             back = pair[0];
         }
     }

@@ -44,7 +44,7 @@ const PERIOD_NS: u32 = 250_000;
 const MOTIONS: u32 = 60;
 const SEGMENTS: u32 = 24;
 /// Ticks from the first one of SPEC 11 to the one that `cargo xtask ticks --shares` counts.
-const SHOWN: i32 = 24 * 16;
+const SHOWN_AFTER_TICKS: i32 = 24 * 16;
 
 static IMMEDIATE_LANE: Ring<LaneEntry, IMMEDIATE_ENTRIES> = Ring::new();
 static PROGRAM_LANE: Ring<LaneEntry, PROGRAM_ENTRIES> = Ring::new();
@@ -438,7 +438,7 @@ impl Bench {
             };
             assert!(published != Some(k) || mark == "crd-worst", "another tick was shown");
             if k > 20 && mark == "crd-worst" && published.is_none() {
-                published = Some(k + SHOWN);
+                published = Some(k + SHOWN_AFTER_TICKS);
             }
             if k > 20 {
                 hprintln!("2 {} {}", mark, count);

@@ -22,8 +22,8 @@ const ENERGY_SLOTS: usize = 1152;
 const SWITCH_SLOTS: usize = 272;
 const MHZ: u16 = 240;
 const SCALE: Scale = Scale::of_mhz(MHZ);
-const FIRST: u16 = 168;
-const BEGIN: u64 = 2 * FIRST as u64;
+const FIRST_CYCLE_COUNTS: u16 = 168;
+const RING_BEGIN_COUNTS: u64 = 2 * FIRST_CYCLE_COUNTS as u64;
 
 type Ring<const SLOTS: usize, const WORDS: usize> = CycleRing<SLOTS, WORDS>;
 
@@ -93,15 +93,15 @@ fn main() -> ! {
         for lit in 0..=CHANNELS {
             let mut outputs = Outputs {
                 delay_lines: DELAY_LINES.each_ref().map(|words| DelayLine::new(words)),
-                energies: [const { PwmCycles::from(BEGIN, SCALE) }; CHANNELS],
+                energies: [const { PwmCycles::from(RING_BEGIN_COUNTS, SCALE) }; CHANNELS],
                 rings: ENERGIES.each_ref().map(|slots| Ring::new(slots, [0; 3])),
-                switches: GateCycles::from(BEGIN, SCALE),
+                switches: GateCycles::from(RING_BEGIN_COUNTS, SCALE),
                 switch_ring: Ring::new(&SWITCHES, [0, 0, u16::MAX, 0, 0, u16::MAX]),
                 next: 0,
             };
             while !outputs.rings.iter_mut().fold(outputs.switch_ring.clear(), |all, ring| ring.clear() && all) {}
-            outputs.rings.iter_mut().for_each(|ring| ring.begin(FIRST));
-            outputs.switch_ring.begin(FIRST);
+            outputs.rings.iter_mut().for_each(|ring| ring.begin(FIRST_CYCLE_COUNTS));
+            outputs.switch_ring.begin(FIRST_CYCLE_COUNTS);
             let mut plans = [LaserPlan::EMPTY; CHANNELS];
             // DMA reads at the start of a tick what was queued two ticks ahead.
             let (mut queued, mut read) = ([[0usize; CHANNELS]; 2], [0; CHANNELS]);

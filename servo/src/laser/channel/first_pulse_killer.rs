@@ -5,7 +5,8 @@
 //! progress are in [`Channel`]. Fails: light that its queue has no slots for makes the channel
 //! dark.
 //!
-//! While the killer is enabled the switch output shows its pulse, not the gate (`Channel::settle`).
+//! While the killer is enabled the switch output shows its pulse, not the gate
+//! (`Channel::update_outputs`).
 use super::Channel;
 use super::gate_delays::later;
 use crate::laser::NEVER;

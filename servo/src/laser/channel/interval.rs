@@ -14,9 +14,9 @@ use crate::units::Ns;
 
 /// Actions that an instant may need in a plan: an end of light and a beginning, a switch edge, a
 /// voltage.
-const ROOM: usize = 4;
+const INSTANT_ACTIONS: usize = 4;
 /// Instants in a tick at which something happens, apart from its beginning.
-const EVENTS: u32 = PLAN_ACTIONS as u32;
+const INTERVAL_INSTANTS: u32 = PLAN_ACTIONS as u32;
 
 impl Channel {
     /// Plans the interval of `period` from `next` on.
@@ -123,7 +123,7 @@ impl Channel {
             self.take(next);
         }
         if due || changed != 0 {
-            self.settle(0, changed & changed::POWER != 0, plan);
+            self.update_outputs(0, changed & changed::POWER != 0, plan);
             // The view is of the interval's beginning.
             self.publish(changed & changed::SETTINGS != 0);
         }
@@ -163,10 +163,10 @@ impl Channel {
     /// The edges and events within the interval.
     #[inline(never)]
     fn walk(&mut self, next: Ns, end: Ns, around: &FollowInputs<impl Positions>, plan: &mut LaserPlan) {
-        let mut left = EVENTS;
+        let mut left = INTERVAL_INSTANTS;
         while self.next_edge < end {
             self.changed |= changed::MOVED;
-            if left == 0 || !plan.has_room(ROOM) {
+            if left == 0 || !plan.has_room(INSTANT_ACTIONS) {
                 return self.trip(Cause::Edges);
             }
             left = left.wrapping_sub(1);
@@ -182,7 +182,7 @@ impl Channel {
                 self.find_power(around);
             }
             self.take(now);
-            self.settle(at, anew, plan);
+            self.update_outputs(at, anew, plan);
             self.next_edge = self.soonest();
             if self.out.light {
                 self.planned = self.planned.wrapping_add(self.next_edge.min(end).0.wrapping_sub(now.0) as u32);
@@ -244,7 +244,7 @@ impl Channel {
 
     /// Brings the outputs to the levels that they should have; `anew`: trains may have changed.
     #[inline(always)]
-    fn settle(&mut self, at: u32, anew: bool, plan: &mut LaserPlan) {
+    fn update_outputs(&mut self, at: u32, anew: bool, plan: &mut LaserPlan) {
         let light = self.light.level;
         if light != self.out.light {
             if light {
@@ -326,7 +326,8 @@ impl Channel {
             (_, false) => self.energy.dark_output(),
         };
         let published = &mut self.published;
-        (published.moves, published.turns) = (published.moves.wrapping_add(1), published.turns.wrapping_add(1));
+        (published.version, published.settings_version) =
+            (published.version.wrapping_add(1), published.settings_version.wrapping_add(1));
         (published.power, published.khz) = (power, khz);
         let limited = (published.limited & self.out.light) as u8;
         published.limits = published.limits.wrapping_add(published.limits & 1 ^ limited);
@@ -343,7 +344,7 @@ impl Channel {
         (published.switch, published.light) = (self.out.switch, self.out.light);
         (published.direct, published.on_time) = (self.law.direct, self.on_time.units);
         if changed {
-            published.changes = published.changes.wrapping_add(1);
+            published.state_version = published.state_version.wrapping_add(1);
             let Energy { mode, connector, width, carrier, .. } = self.energy;
             (published.mode, published.connector, published.delayed) = (mode, connector, self.delayed);
             (published.fault, published.cause_lasts) = (self.safety.cause(), self.safety.lasts());

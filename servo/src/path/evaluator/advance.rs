@@ -15,13 +15,13 @@ use crate::units::{Exact, FineNs, Pos};
 impl Path {
     /// It waits at its position.
     pub(super) fn wait(&mut self, until: FineNs) {
-        (self.stage, self.stand.over, self.fresh) = (PathStage::Wait { until }, until, true);
+        (self.stage, self.motion_position.over, self.publish_whole) = (PathStage::Wait { until }, until, true);
     }
 
     /// The phase in force ends then; a motion without further phases is over now.
     pub(super) fn set_over(&mut self) {
-        let left = self.motions.now().plan.phase(self.stand.phase).map_or(0, |phase| phase.time);
-        self.stand.over = self.stand.began.wrapping_add(left);
+        let left = self.motions.now().plan.phase(self.motion_position.phase).map_or(0, |phase| phase.time);
+        self.motion_position.over = self.motion_position.began.wrapping_add(left);
     }
 
     /// Passes all boundaries before `limit`.
@@ -33,15 +33,15 @@ impl Path {
         source: &impl PathEntries,
         sink: &mut impl Effects,
     ) {
-        while self.stand.over < limit {
+        while self.motion_position.over < limit {
             match self.stage {
                 PathStage::Standstill => return,
                 PathStage::Wait { until } => {
                     self.time = until;
                     self.cursor(self.fifo).inside = false;
-                    if self.swept.length.is_none() {
+                    if self.travelled.length.is_none() {
                         self.keep_past(Pos(0));
-                        self.swept.length = Some(Exact(0));
+                        self.travelled.length = Some(Exact(0));
                     }
                     self.go_on(budget, feed, source, sink);
                 }
@@ -56,7 +56,7 @@ impl Path {
                         self.halt(self.time, PathStop::Stopped, feed, sink);
                     } else if !self.admits_end(sink) {
                         let distance = self.motions.now().shape.length.to_exact();
-                        self.hold(self.time, (self.sampled(self.stand.sampled), distance), sink, feed);
+                        self.hold(self.time, (self.sampled(self.motion_position.sampled), distance), sink, feed);
                     } else {
                         self.leave(sink);
                         self.go_on(budget, feed, source, sink);
@@ -83,16 +83,16 @@ impl Path {
         feed: FifoEnds,
         admits: impl FnOnce(&PathPos) -> bool,
     ) -> Option<[u32; 2]> {
-        match self.fast.turn {
+        match self.fast.at_phase_end {
             FastPathCase::Motion => {}
             FastPathCase::Phase => {
-                self.fast.turn = FastPathCase::Else;
+                self.fast.at_phase_end = FastPathCase::Else;
                 return self.end_phase().then(|| self.counts());
             }
             FastPathCase::Else => return None,
         }
-        let (Prepared { shape, plan, .. }, Prepared { open, .. }) = (self.motions.now(), self.motions.next());
-        let open = *open;
+        let (Prepared { shape, plan, .. }, Prepared { open_end, .. }) = (self.motions.now(), self.motions.next());
+        let open = *open_end;
         if open.is_some_and(|sampled| sampled != end_of(feed, self.fifo)) || !admits(&shape.end) {
             return None;
         }
@@ -100,7 +100,7 @@ impl Path {
         // next one, and the begin of its plan. It holds if nothing is sampled in between: position
         // and speed of the boundary are those of the motions, nothing is ahead, `inside` stays.
         if SWEPT {
-            let Phase { length, .. } = plan.phase(self.stand.phase)?;
+            let Phase { length, .. } = plan.phase(self.motion_position.phase)?;
             let length = *length;
             self.sweep(length);
         }
@@ -109,35 +109,37 @@ impl Path {
         let (released, done) = (cursor.next, cursor.done.wrapping_add(1));
         (cursor.next, cursor.done) = (released.wrapping_add(1), done);
         self.motions.next_mut().state = Preparation::Nothing;
-        (self.stand, self.open) = (self.coming, open);
+        (self.motion_position, self.open_end) = (self.next_position, open);
         self.motions.turn();
         self.pieces.pair.turn();
-        (self.pieces.follows, self.fresh, self.fast.turn) = (None, true, FastPathCase::Else);
+        (self.pieces.follows, self.publish_whole, self.fast.at_phase_end) = (None, true, FastPathCase::Else);
         Some([released, done])
     }
 
     /// To the end of the phase in force, of this length.
     #[inline(always)]
     fn sweep(&mut self, length: Exact) {
-        let so_far = match self.swept.length {
+        let so_far = match self.travelled.length {
             Some(swept) => swept.0,
             None => {
-                self.keep_past(self.stand.sampled);
-                self.stand.distance.0.wrapping_sub(Exact::from(self.stand.sampled).0)
+                self.keep_past(self.motion_position.sampled);
+                self.motion_position.distance.0.wrapping_sub(Exact::from(self.motion_position.sampled).0)
             }
         };
-        self.swept.length = Some(Exact(length.0.wrapping_add(so_far)));
+        self.travelled.length = Some(Exact(length.0.wrapping_add(so_far)));
     }
 
     /// The phase in force is over. Returns whether another one of the motion has begun.
     #[inline(always)]
     fn end_phase(&mut self) -> bool {
-        let Some(&Phase { length, .. }) = self.motions.now().plan.phase(self.stand.phase) else { return false };
+        let Some(&Phase { length, .. }) = self.motions.now().plan.phase(self.motion_position.phase) else {
+            return false;
+        };
         self.sweep(length);
-        self.stand.distance = Exact(self.stand.distance.0.wrapping_add(length.0));
-        (self.stand.began, self.time) = (self.stand.over, self.stand.over);
-        self.stand.phase = self.stand.phase.wrapping_add(1);
-        if self.motions.now().plan.phase(self.stand.phase).is_some() {
+        self.motion_position.distance = Exact(self.motion_position.distance.0.wrapping_add(length.0));
+        (self.motion_position.began, self.time) = (self.motion_position.over, self.motion_position.over);
+        self.motion_position.phase = self.motion_position.phase.wrapping_add(1);
+        if self.motions.now().plan.phase(self.motion_position.phase).is_some() {
             self.take_piece();
             self.set_over();
             return true;
@@ -152,7 +154,7 @@ impl Path {
     fn close(&mut self) {
         let Prepared { shape, plan, .. } = self.motions.now();
         let (here, speed) = (shape.end, plan.exit);
-        (self.here, self.speed, self.open) = (here, speed, None);
+        (self.rest_position, self.speed, self.open_end) = (here, speed, None);
         let cursor = self.cursor(self.fifo);
         cursor.inside = false;
         cursor.done = cursor.done.wrapping_add(1);
@@ -161,8 +163,8 @@ impl Path {
     /// The same, and reports the geared axes.
     fn leave(&mut self, sink: &mut impl Effects) {
         self.close();
-        if self.led {
-            self.since.pass(self.time, self.here);
+        if self.has_slaves {
+            self.trajectory_since.pass(self.time, self.rest_position);
         }
         for gear in self.gears_of(self.fifo) {
             sink.geared(self.time, gear.axis, gear.pulses);
@@ -218,7 +220,7 @@ impl Path {
             }
             self.cursor(self.fifo).next = counter.wrapping_add(1);
             match &entry {
-                None => self.enter_prepared(self.here, Exact(0), feed, source),
+                None => self.enter_prepared(self.rest_position, Exact(0), feed, source),
                 Some(entry) => {
                     if let Some(until) = self.take(counter, entry, feed, source, sink) {
                         if self.stopping {
@@ -299,8 +301,8 @@ impl Path {
                 None
             }
             item => {
-                self.enter(self.here, counter, item);
-                (self.stand.distance, self.stand.sampled) = (Exact(0), Pos(0));
+                self.enter(self.rest_position, counter, item);
+                (self.motion_position.distance, self.motion_position.sampled) = (Exact(0), Pos(0));
                 if !self.motions.now().shape.length.is_zero() {
                     self.plan_remainder(feed, source);
                 }
@@ -311,9 +313,9 @@ impl Path {
 
     /// Comes to standstill within a motion.
     pub(super) fn halt(&mut self, at: FineNs, path_stop: PathStop, feed: FifoEnds, sink: &mut impl Effects) {
-        let (distance, shape) = (self.stand.distance, &self.motions.now().shape);
+        let (distance, shape) = (self.motion_position.distance, &self.motions.now().shape);
         let (here, from) = (shape.at(distance.round()), shape.start);
-        self.here = here;
+        self.rest_position = here;
         let cursor = self.cursor(self.fifo);
         (cursor.distance, cursor.from) = (distance, from);
         self.come_to_standstill(at, path_stop, feed, sink);
@@ -341,9 +343,9 @@ impl Path {
         feed: FifoEnds,
         sink: &mut impl Effects,
     ) {
-        (self.stage, self.speed, self.stopping, self.open) = (PathStage::Standstill, Float::ZERO, false, None);
-        (self.stand.over, self.fresh, self.planning.unfinished) = (FineNs::MAX, true, false);
-        let (here, end) = (self.here, end_of(feed, self.fifo));
+        (self.stage, self.speed, self.stopping, self.open_end) = (PathStage::Standstill, Float::ZERO, false, None);
+        (self.motion_position.over, self.publish_whole, self.planning.unfinished) = (FineNs::MAX, true, false);
+        let (here, end) = (self.rest_position, end_of(feed, self.fifo));
         let cursor = self.cursor(self.fifo);
         cursor.kept = cursor.inside || cursor.left != 0 || cursor.next != end;
         cursor.position = here;

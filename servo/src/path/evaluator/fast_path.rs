@@ -20,13 +20,13 @@ pub(super) enum FastPathCase {
 impl Path {
     /// The fast path is not taken until a full step is done.
     pub(crate) fn leave_fast_path(&mut self) {
-        (self.fast.publishes, self.fast.turn) = (false, FastPathCase::Else);
+        (self.fast.publishes, self.fast.at_phase_end) = (false, FastPathCase::Else);
     }
 
     /// Whether the fast path enters another motion at the end of the phase in force.
     #[inline(always)]
     pub(crate) fn turns_over(&self) -> bool {
-        self.fast.turn == FastPathCase::Motion
+        self.fast.at_phase_end == FastPathCase::Motion
     }
 
     /// Two corners of a box that holds the motion in force, or the one that is `ahead`.
@@ -37,19 +37,19 @@ impl Path {
     /// Decides what the fast path may do from now on, until the next full step.
     #[inline(never)]
     pub(super) fn decide_fast_path(&mut self) {
-        let moves = matches!(self.stage, PathStage::Move) && !self.led;
+        let moves = matches!(self.stage, PathStage::Move) && !self.has_slaves;
         let cursor = self.cursor_of(self.fifo);
         let (alone, next) = (cursor.geared == 0, cursor.next);
         self.fast.publishes = moves && self.pieces.made && alone;
         let (Prepared { plan, .. }, Prepared { counter, state, plan: next_plan, .. }) =
             (self.motions.now(), self.motions.next());
-        self.fast.turn = if !moves || self.pieces.follows != Some(self.stand.over) {
+        self.fast.at_phase_end = if !moves || self.pieces.follows != Some(self.motion_position.over) {
             FastPathCase::Else
-        } else if plan.phase(self.stand.phase.wrapping_add(1)).is_some() {
+        } else if plan.phase(self.motion_position.phase.wrapping_add(1)).is_some() {
             FastPathCase::Phase
         } else if alone && !plan.halts && !self.stopping && *state == Preparation::Ready && *counter == next {
-            let (began, time) = (self.stand.over, next_plan.phase(0).map_or(0, |phase| phase.time));
-            self.coming = MotionPosition { began, over: began.wrapping_add(time), ..MotionPosition::NONE };
+            let (began, time) = (self.motion_position.over, next_plan.phase(0).map_or(0, |phase| phase.time));
+            self.next_position = MotionPosition { began, over: began.wrapping_add(time), ..MotionPosition::NONE };
             FastPathCase::Motion
         } else {
             FastPathCase::Else

@@ -102,7 +102,7 @@ pub struct PathReport<'a> {
     /// The path length along the motion in force.
     pub motion: &'a mut Motion,
     /// Counts changes of bend and motion, at least, except for the position in it.
-    pub turns: &'a mut u32,
+    pub piece_version: &'a mut u32,
 }
 
 /// The other results of a step.
@@ -124,7 +124,7 @@ pub struct StepReport {
 #[derive(Debug, Clone, Copy)]
 pub struct TrajectorySample {
     /// Boundaries that were passed, with their positions: the first ones and the last one.
-    knots: [(FineNs, PathPos); KNOTS],
+    knots: [(FineNs, PathPos); SAMPLE_KNOTS],
     pub(super) count: u8,
     /// For each coordinate, if it reversed on an arc after the last of them: the share of the time
     /// since, in 2⁻⁶⁴, and the position.
@@ -132,14 +132,14 @@ pub struct TrajectorySample {
 }
 
 /// Boundaries of an interval that a sample keeps.
-const KNOTS: usize = 3;
+const SAMPLE_KNOTS: usize = 3;
 
 impl TrajectorySample {
     pub(super) const NONE: TrajectorySample =
-        TrajectorySample { knots: [(0, ORIGIN); KNOTS], count: 0, turns: [None; DIMENSIONS] };
+        TrajectorySample { knots: [(0, ORIGIN); SAMPLE_KNOTS], count: 0, turns: [None; DIMENSIONS] };
 
     pub(super) fn pass(&mut self, at: FineNs, position: PathPos) {
-        let index = (self.count as usize).min(KNOTS - 1);
+        let index = (self.count as usize).min(SAMPLE_KNOTS - 1);
         if let Some(knot) = self.knots.get_mut(index) {
             *knot = (at, position);
         }

@@ -76,7 +76,7 @@ impl Path {
     pub(super) fn swap(&mut self, from: PathPos, distance: Exact) {
         self.motions.next_mut().state = Preparation::Nothing;
         self.motions.turn();
-        (self.stand.distance, self.stand.sampled) = (distance, distance.round());
+        (self.motion_position.distance, self.motion_position.sampled) = (distance, distance.round());
         let cursor = self.cursor(self.fifo);
         (cursor.inside, cursor.from) = (true, from);
     }
@@ -114,9 +114,9 @@ impl Path {
         while self.motions.next().state < Preparation::Shaped {
             self.shape_ahead();
         }
-        let Prepared { state, open, .. } = *self.motions.next();
+        let Prepared { state, open_end, .. } = *self.motions.next();
         // Entries that came since may follow it.
-        let planned = state > Preparation::Shaped && open.is_none_or(|sampled| sampled == end_of(feed, self.fifo));
+        let planned = state > Preparation::Shaped && open_end.is_none_or(|sampled| sampled == end_of(feed, self.fifo));
         if planned {
             while self.motions.next().state < Preparation::Ready {
                 self.plan_ahead();
@@ -127,7 +127,7 @@ impl Path {
         if self.motions.now().shape.length.is_zero() {
             return;
         }
-        if planned { self.follow(open) } else { self.plan_remainder(feed, source) }
+        if planned { self.follow(open_end) } else { self.plan_remainder(feed, source) }
     }
 
     /// Makes a part of what follows: the piece after the one in force, or a part of the motion
@@ -178,7 +178,7 @@ impl Path {
                 self.planning.speed_draft.begin(speed, left, means);
                 let open = (after == After::Nothing).then_some(end_of(feed, fifo));
                 let ahead = self.motions.next_mut();
-                (ahead.open, ahead.state) = (open, Preparation::Sketched);
+                (ahead.open_end, ahead.state) = (open, Preparation::Sketched);
                 self.plan_ahead();
             }
             Preparation::Sketched => self.plan_ahead(),
@@ -190,11 +190,11 @@ impl Path {
     /// now.
     #[inline(always)]
     fn piece_ahead(&mut self) -> bool {
-        let (over, motion, ahead) = (self.stand.over, self.motions.now(), self.motions.next());
+        let (over, motion, ahead) = (self.motion_position.over, self.motions.now(), self.motions.next());
         let to = self.pieces.pair.next_mut();
-        let Some(Phase { length, .. }) = motion.plan.phase(self.stand.phase) else { return false };
-        if let Some(phase) = motion.plan.phase(self.stand.phase.wrapping_add(1)) {
-            to.make(phase, over, Exact(self.stand.distance.0.wrapping_add(length.0)));
+        let Some(Phase { length, .. }) = motion.plan.phase(self.motion_position.phase) else { return false };
+        if let Some(phase) = motion.plan.phase(self.motion_position.phase.wrapping_add(1)) {
+            to.make(phase, over, Exact(self.motion_position.distance.0.wrapping_add(length.0)));
         } else if ahead.state == Preparation::Ready
             && !motion.plan.halts
             && let Some(phase) = ahead.plan.phase(0)
@@ -210,10 +210,10 @@ impl Path {
     /// A phase begins: its piece is the one that was made ahead, if that fits.
     #[inline(always)]
     pub(super) fn take_piece(&mut self) {
-        let known = self.pieces.follows == Some(self.stand.began);
+        let known = self.pieces.follows == Some(self.motion_position.began);
         if known {
             self.pieces.pair.turn();
-            self.fresh = true;
+            self.publish_whole = true;
         }
         (self.pieces.made, self.pieces.follows) = (known, None);
     }
@@ -288,7 +288,7 @@ impl Path {
     pub(super) fn plan_remainder(&mut self, feed: FifoEnds, source: &impl PathEntries) {
         let after = self.what_follows(self.fifo, self.cursor_of(self.fifo).next, feed, source);
         let Prepared { along, shape, .. } = self.motions.now();
-        let left = shape.length.sub(Float::from_exact(self.stand.distance));
+        let left = shape.length.sub(Float::from_exact(self.motion_position.distance));
         // A plan in progress of the motion after it is dropped: that motion will be entered
         // otherwise.
         let means = self.means(*along, after);
@@ -311,7 +311,8 @@ impl Path {
     /// at another speed.
     #[inline(always)]
     pub(super) fn follow(&mut self, open: Option<u32>) {
-        (self.open, self.stand.phase, self.stand.began, self.stage) = (open, 0, self.time, PathStage::Move);
+        (self.open_end, self.motion_position.phase, self.motion_position.began, self.stage) =
+            (open, 0, self.time, PathStage::Move);
         self.take_piece();
         self.set_over();
         self.unplan();
@@ -329,17 +330,17 @@ impl Path {
             self.catch_up(now);
             self.plan_remainder(feed, source);
         } else {
-            self.open = Some(end_of(feed, self.fifo));
+            self.open_end = Some(end_of(feed, self.fifo));
         }
     }
 
     /// Time, path length and speed are those of `now`, which lies in the phase in force or at its
     /// end.
     pub(super) fn catch_up(&mut self, now: FineNs) {
-        let Some(phase) = self.motions.now().plan.phase(self.stand.phase).copied() else { return };
-        let since = now.saturating_sub(self.stand.began).min(phase.time);
-        self.stand.distance = Exact(self.stand.distance.0.wrapping_add(phase.distance(since).0));
-        (self.speed, self.time) = (phase.speed(since), self.stand.began.wrapping_add(since));
-        self.stand.began = self.time;
+        let Some(phase) = self.motions.now().plan.phase(self.motion_position.phase).copied() else { return };
+        let since = now.saturating_sub(self.motion_position.began).min(phase.time);
+        self.motion_position.distance = Exact(self.motion_position.distance.0.wrapping_add(phase.distance(since).0));
+        (self.speed, self.time) = (phase.speed(since), self.motion_position.began.wrapping_add(since));
+        self.motion_position.began = self.time;
     }
 }

@@ -15,28 +15,28 @@ impl Path {
     #[inline(always)]
     pub(super) fn look(&mut self, next: Ns, report: &mut PathReport) -> bool {
         if let PathStage::Move = self.stage
-            && let Some(phase) = self.motions.now().plan.phase(self.stand.phase)
+            && let Some(phase) = self.motions.now().plan.phase(self.motion_position.phase)
         {
             if !self.pieces.made {
-                (self.pieces.made, self.fresh) = (true, true);
-                self.pieces.pair.now_mut().make(phase, self.stand.began, self.stand.distance);
+                (self.pieces.made, self.publish_whole) = (true, true);
+                self.pieces.pair.now_mut().make(phase, self.motion_position.began, self.motion_position.distance);
             }
             let before = *report.heading;
             let distance = self.publish(next, report);
             self.pass(distance);
-            if self.led {
+            if self.has_slaves {
                 self.keep_trajectory(before, report.heading);
             }
             return true;
         }
         self.pass(Pos(0));
-        if self.led {
-            (self.trajectory, self.since.count) = (self.since, 0);
+        if self.has_slaves {
+            (self.trajectory, self.trajectory_since.count) = (self.trajectory_since, 0);
         }
-        if self.fresh {
-            self.fresh = false;
-            *report.turns = report.turns.wrapping_add(1);
-            (*report.position, *report.heading) = (self.here, [0; DIMENSIONS]);
+        if self.publish_whole {
+            self.publish_whole = false;
+            *report.piece_version = report.piece_version.wrapping_add(1);
+            (*report.position, *report.heading) = (self.rest_position, [0; DIMENSIONS]);
             (*report.bend, *report.motion) = (Curvature::STRAIGHT, Motion::STANDSTILL);
         }
         false
@@ -58,9 +58,9 @@ impl Path {
             .motions
             .now()
             .plan
-            .phase(self.stand.phase)
-            .map_or(0, |phase| phase.distance(now.saturating_sub(self.stand.began).min(phase.time)).0);
-        Exact(self.stand.distance.0.wrapping_add(gone))
+            .phase(self.motion_position.phase)
+            .map_or(0, |phase| phase.distance(now.saturating_sub(self.motion_position.began).min(phase.time)).0);
+        Exact(self.motion_position.distance.0.wrapping_add(gone))
     }
 
     /// The path length at the last sample, as exact as its geared axes know it.
@@ -92,11 +92,11 @@ impl Path {
     /// whether it did.
     #[inline(always)]
     pub(crate) fn publish_fresh(&mut self, report: &mut PathReport) -> bool {
-        let fresh = self.fresh;
+        let fresh = self.publish_whole;
         if fresh {
-            self.fresh = false;
+            self.publish_whole = false;
             *report.motion = self.pieces.pair.now().piece.motion;
-            *report.turns = report.turns.wrapping_add(1);
+            *report.piece_version = report.piece_version.wrapping_add(1);
             let shape = &self.motions.now().shape;
             shape.publish(report.position, report.heading, report.bend);
         }
@@ -161,13 +161,13 @@ impl Path {
     /// It is at the path length `distance` of the motion in force.
     #[inline(always)]
     pub fn pass(&mut self, distance: Pos) {
-        (self.stand.sampled, self.swept.length) = (distance, None);
+        (self.motion_position.sampled, self.travelled.length) = (distance, None);
     }
 
     /// Keeps the motion of the coordinates up to this sample, at which they have this direction.
     #[inline(never)]
     fn keep_trajectory(&mut self, before: [i32; DIMENSIONS], heading: &[i32; DIMENSIONS]) {
-        (self.trajectory, self.since.count) = (self.since, 0);
+        (self.trajectory, self.trajectory_since.count) = (self.trajectory_since, 0);
         let shape = &self.motions.now().shape;
         // A path that sets off with this sample has not turned, also where it goes on within an
         // arc.
@@ -206,7 +206,7 @@ impl Path {
             let position = self.motions.now().shape.at(middle.round());
             if self.admits(&position, middle, sink) { low = middle } else { high = middle }
         }
-        self.stand.distance = low;
+        self.motion_position.distance = low;
         self.halt(at, PathStop::Obstructed, feed, sink);
     }
 
@@ -215,7 +215,7 @@ impl Path {
     #[inline(always)]
     pub fn mean(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
         if self.fast.publishes
-            && self.swept.length.is_none()
+            && self.travelled.length.is_none()
             && let Some(speed) = self.pieces.pair.now().even
         {
             return speed;
@@ -225,13 +225,13 @@ impl Path {
 
     #[inline(never)]
     fn mean_of(&self, motion: &Motion, next: Ns, period: Ns) -> PathSpeed {
-        let Some(swept) = self.swept.length else { return PathSpeed::ahead(motion, period) };
+        let Some(swept) = self.travelled.length else { return PathSpeed::ahead(motion, period) };
         let mut distance = swept.0;
         if let PathStage::Move = self.stage
-            && let Some(phase) = self.motions.now().plan.phase(self.stand.phase)
+            && let Some(phase) = self.motions.now().plan.phase(self.motion_position.phase)
         {
             let until = (next.0.wrapping_add(period.0) as FineNs) << 32;
-            distance = distance.wrapping_add(phase.distance(until.saturating_sub(self.stand.began)).0);
+            distance = distance.wrapping_add(phase.distance(until.saturating_sub(self.motion_position.began)).0);
         }
         PathSpeed::mean(Exact(distance), period)
     }

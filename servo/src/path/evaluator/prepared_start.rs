@@ -20,9 +20,9 @@ impl Path {
             }
             self.prepared = Some(fifo);
         }
-        if self.motions.next().open.is_some_and(|sampled| sampled != end_of(feed, fifo)) {
+        if self.motions.next().open_end.is_some_and(|sampled| sampled != end_of(feed, fifo)) {
             // Something may follow it now.
-            (self.pieces.follows, self.motions.next_mut().open) = (None, None);
+            (self.pieces.follows, self.motions.next_mut().open_end) = (None, None);
             self.unplan();
         }
         let cursor = self.cursor_of(fifo);
@@ -30,7 +30,8 @@ impl Path {
         let distance = if inside { cursor.distance } else { Exact(0) };
         match self.motions.next().state {
             Preparation::Nothing => {
-                let (counter, from) = if inside { (next.wrapping_sub(1), cursor.from) } else { (next, self.here) };
+                let (counter, from) =
+                    if inside { (next.wrapping_sub(1), cursor.from) } else { (next, self.rest_position) };
                 self.begin_ahead(fifo, counter, &from, feed, source);
                 self.motions.next().state != Preparation::Nothing
             }

@@ -39,7 +39,7 @@ impl Path {
         self.time = (next.0 as FineNs) << 32;
         match self.stage {
             PathStage::Standstill => {}
-            PathStage::Wait { until } if self.swept.length.is_none() => self.stop_in_wait(until, feed, sink),
+            PathStage::Wait { until } if self.travelled.length.is_none() => self.stop_in_wait(until, feed, sink),
             PathStage::Wait { .. } | PathStage::Move => self.fall_back(position, feed, sink),
         }
         self.decide_fast_path();
@@ -49,16 +49,16 @@ impl Path {
     #[inline(always)]
     pub(super) fn keep_past(&mut self, distance: Pos) {
         let Cursor { next, done, inside, .. } = self.cursors[(self.fifo & 1) as usize];
-        self.swept.past = SampledPosition { next, done, inside, from: self.motions.now().shape.start, distance };
+        self.travelled.past = SampledPosition { next, done, inside, from: self.motions.now().shape.start, distance };
     }
 
     /// Comes to rest at the position of the last sample.
     #[inline(never)]
     fn fall_back(&mut self, position: &PathPos, feed: FifoEnds, sink: &mut impl Effects) {
-        if self.swept.length.is_none() {
-            self.keep_past(self.stand.sampled);
+        if self.travelled.length.is_none() {
+            self.keep_past(self.motion_position.sampled);
         }
-        let SampledPosition { next, done, inside, from, distance } = self.swept.past;
+        let SampledPosition { next, done, inside, from, distance } = self.travelled.past;
         let waits = self.waits();
         let cursor = self.cursor(self.fifo);
         // A move that the path waits for is made again.
@@ -78,7 +78,7 @@ impl Path {
         if changed {
             self.motions.next_mut().state = Preparation::Nothing;
         }
-        (self.here, self.since.count) = (*position, 0);
+        (self.rest_position, self.trajectory_since.count) = (*position, 0);
         self.come_to_standstill(self.time, PathStop::Stopped, feed, sink);
     }
 }

@@ -17,10 +17,10 @@ use crate::units::{Exact, Ns, Pos};
 /// From 2⁻⁶⁴ pulse to units of Pos.
 pub(super) const EXACT_TO_POS_BITS: u32 = 64 - Pos::FRAC_BITS;
 /// 1/200 and 1/6 in 2⁻⁶⁴.
-const TWO_HUNDREDTH: u64 = u64::MAX / 200;
-const SIXTH: u64 = u64::MAX / 6;
+const TWO_HUNDREDTH_Q64: u64 = u64::MAX / 200;
+const SIXTH_Q64: u64 = u64::MAX / 6;
 /// 200/(200 − percent) in 2⁻⁶².
-const GAIN: [u64; 101] = {
+const GAIN_Q62: [u64; 101] = {
     let mut table = [0; 101];
     let mut percent = 0;
     while percent <= 100 {
@@ -78,7 +78,7 @@ impl CurveSegment {
 
     /// The ratio at its end.
     pub(super) fn end_ratio(&self) -> i128 {
-        ratio_at(&self.piece(self.to.wrapping_sub(1), 0, 0).motion, Piece::END)
+        ratio_at(&self.piece(self.to.wrapping_sub(1), 0, 0).motion, Piece::TAU_END)
     }
 
     /// The piece that holds the progress `x` of the pass that began at `began` (master) and
@@ -99,14 +99,14 @@ impl CurveSegment {
             return cubic(from, length, start, [r0, second, third]);
         }
         let full = self.percent == 100;
-        let k = if full { 1 << 63 } else { TWO_HUNDREDTH.wrapping_mul(self.percent as u64) };
+        let k = if full { 1 << 63 } else { TWO_HUNDREDTH_Q64.wrapping_mul(self.percent as u64) };
         let edge = times(length, k);
-        let gain = GAIN.get(self.percent as usize).copied().unwrap_or(1 << 62);
+        let gain = GAIN_Q62.get(self.percent as usize).copied().unwrap_or(1 << 62);
         // a, a·k, a·k²
         let slope = times(half, gain) << 3;
         let once = times(slope, k);
         let twice = times(once, k);
-        let sixth = times(twice, SIXTH);
+        let sixth = times(twice, SIXTH_Q64);
         let y = x.wrapping_sub(self.from);
         if y < edge {
             return cubic(from, edge, start, [times(r0, k), 0, sixth]);

@@ -18,7 +18,7 @@ pub const ENTRIES: u32 = 512;
 /// Entries of a FIFO that are no segments, at most.
 pub const STOPS: usize = 16;
 /// The largest |ratio|: 2⁴⁴.
-const RATIO_MAX: i128 = 1 << (44 + super::ratio::RATIO_BITS);
+const RATIO_MAX_RAW: i128 = 1 << (44 + super::ratio::RATIO_BITS);
 /// The largest displacement at a segment's start ratio: that from 0 to the edge of travel.
 const START_DISPLACEMENT_MAX_EXACT: i128 = (Pos::TRAVEL_PULSES as i128) << 64;
 /// The shortest segment: 2⁻²⁰ pulse of the master.
@@ -333,7 +333,7 @@ impl FollowEntry {
             return Err(Refused::TooSteep);
         }
         let (begin, end, at_start) = rule(p, m.unsigned_abs());
-        if begin.abs() > RATIO_MAX || end.abs() > RATIO_MAX {
+        if begin.abs() > RATIO_MAX_RAW || end.abs() > RATIO_MAX_RAW {
             return Err(Refused::TooSteep);
         }
         if at_start.abs() > START_DISPLACEMENT_MAX_EXACT {

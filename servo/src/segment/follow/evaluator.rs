@@ -33,8 +33,8 @@ pub const ACTIONS: usize = 8;
 /// A cycle of FollowDelayEx, 250 µs, and a ms, in 2⁻³² ns.
 const DELAY_CYCLE: FineNs = (CYCLE_NS as FineNs) << 32;
 const FINE_NS_PER_MS: FineNs = 1_000_000 << 32;
-/// Steps of [`FollowRun::settle`] in a tick: every action may be followed by the end of a pass.
-const SETTLE_STEPS: usize = 3 * ACTIONS;
+/// Steps of [`FollowRun::catch_up`] in a tick: every action may be followed by the end of a pass.
+const CATCH_UP_STEPS: usize = 3 * ACTIONS;
 
 /// What entries do to outputs in one tick.
 #[derive(Debug, Clone, Copy, Default)]
@@ -443,7 +443,7 @@ impl FollowRun {
 
     /// Brings piece and entries up to the present progress, which the master reached along
     /// `section`.
-    fn settle<S: FollowEntries, L: Fn(Input, u8) -> bool>(
+    fn catch_up<S: FollowEntries, L: Fn(Input, u8) -> bool>(
         &mut self,
         section: &mut Section,
         context: &mut FollowContext<S, L>,
@@ -452,7 +452,7 @@ impl FollowRun {
             self.seek_geared(*gear);
             return self.far.then_some(FollowState::TooFar);
         }
-        for _ in 0..SETTLE_STEPS {
+        for _ in 0..CATCH_UP_STEPS {
             match self.seek(context) {
                 Seek::Here => return self.far.then_some(FollowState::TooFar),
                 Seek::End(at) if self.is_far(at) => return Some(FollowState::TooFar),

@@ -75,15 +75,15 @@ impl Follower {
     }
 
     /// Its position with a master at `to`, and the parameter in its piece, if the master moved
-    /// there straight and all is inside one piece. `led`: it has slaves itself. `from` is its
-    /// position at the tick in force.
+    /// there straight and all is inside one piece. `has_slaves`: it is a master itself. `from` is
+    /// its position at the tick in force.
     #[inline(always)]
-    pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, led: bool, from: Pos) -> Option<(Pos, u64)> {
-        if led && !self.run.is_fast_and_straight(to) {
+    pub(crate) fn fast_step(&mut self, to: Pos, period: Ns, has_slaves: bool, from: Pos) -> Option<(Pos, u64)> {
+        if has_slaves && !self.run.is_fast_and_straight(to) {
             return None;
         }
         let position = self.run.fast_step(to)?;
-        if led {
+        if has_slaves {
             self.track = PositionTrack::begin(from);
             self.track.push(period.0 << 32, position.0);
         }
@@ -103,11 +103,11 @@ impl Follower {
     pub(crate) fn step(
         &mut self,
         master_sample: &MasterSample,
-        led: bool,
+        has_slaves: bool,
         from: Pos,
         context: &mut FollowContext<impl FollowEntries, impl Fn(Input, u8) -> bool>,
     ) -> FollowState {
-        let state = self.go_along(master_sample, led, from, context);
+        let state = self.go_along(master_sample, has_slaves, from, context);
         if let FollowState::Ended { at } | FollowState::TimedOut { at } = state {
             self.track.arrive(master_sample.period.0 << 32, at.round());
         }
@@ -118,7 +118,7 @@ impl Follower {
     fn go_along(
         &mut self,
         master_sample: &MasterSample,
-        led: bool,
+        has_slaves: bool,
         from: Pos,
         context: &mut FollowContext<impl FollowEntries, impl Fn(Input, u8) -> bool>,
     ) -> FollowState {
@@ -130,7 +130,7 @@ impl Follower {
         };
         let last = self.last.unwrap_or(to);
         (self.displacement, self.last) = (to.0.wrapping_sub(last.0), Some(to));
-        let track = if led {
+        let track = if has_slaves {
             self.track = PositionTrack::begin(from);
             Some(&mut self.track)
         } else {
@@ -202,7 +202,7 @@ impl Filter {
 /// u¹³/14! are less than 2⁻⁶⁸. The longest period is less than a quarter of 2²² ns.
 pub(crate) fn share(u: u64) -> u64 {
     /// 1/14 to 1/2, 2⁻⁶⁴.
-    const PARTS: [u64; 13] = {
+    const RECIPROCALS_Q64: [u64; 13] = {
         let mut parts = [0; 13];
         let mut i = 0;
         while i < 13 {
@@ -211,7 +211,7 @@ pub(crate) fn share(u: u64) -> u64 {
         }
         parts
     };
-    PARTS.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
+    RECIPROCALS_Q64.iter().fold(u64::MAX, |rest, &part| !umulhi(umulhi(u, rest), part))
 }
 
 #[cfg(test)]

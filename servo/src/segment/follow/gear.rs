@@ -21,7 +21,7 @@ use core::num::NonZeroU32;
 /// Pulses of master and slave in a piece, unless those given are more.
 const PIECE_PULSES: u32 = 1 << 31;
 /// The largest |ratio|.
-const RATIO_MAX: u64 = 1 << 24;
+const RATIO_MAX_INTEGER: u64 = 1 << 24;
 /// The largest displacement of the slave at the full ratio over the slope, pulses.
 const SLOPE_MAX_PULSES: u128 = Pos::TRAVEL_PULSES as u128;
 
@@ -52,7 +52,7 @@ pub enum GearRefused {
 
 impl GearRatio {
     /// The largest |ratio|.
-    pub const MAX: u64 = RATIO_MAX;
+    pub const MAX: u64 = RATIO_MAX_INTEGER;
 
     /// The ratio `slave`/`master`, reached over `slope` pulses of the master. For the thread only.
     pub fn of(master: i32, slave: i32, slope: i32) -> Result<GearRatio, GearRefused> {
@@ -60,7 +60,7 @@ impl GearRatio {
             return Err(GearRefused::Master);
         }
         let (part, steps) = (master.unsigned_abs(), slave.unsigned_abs());
-        if steps as u64 > RATIO_MAX * part as u64 {
+        if steps as u64 > RATIO_MAX_INTEGER * part as u64 {
             return Err(GearRefused::TooSteep);
         }
         if slope < 0 || slope == 1 {

@@ -229,7 +229,7 @@ fn tau(now: Ns, piece: &Piece, at: u64) -> u64 {
     let recip = piece.motion.recip;
     let part = (((part as u128) << (recip.shift & 63)) >> 32) as u64;
     let tau = (recip.ratio(t) >> 1).wrapping_add(piece.motion.tau);
-    tau.wrapping_add(part.saturating_add(umulhi(part, recip.m)) >> 1).min(Piece::END)
+    tau.wrapping_add(part.saturating_add(umulhi(part, recip.m)) >> 1).min(Piece::TAU_END)
 }
 
 /// The master's position on a piece at a time since the tick in force.
@@ -292,11 +292,11 @@ impl Section<'_> {
 pub(super) fn is_plain(piece: &Piece, now: Ns) -> bool {
     let motion = &piece.motion;
     let from = (motion.recip.ratio(piece.elapsed_within(now.max(piece.begin))) >> 1).wrapping_add(motion.tau);
-    let (first, last) = (slope(motion, from), slope(motion, Piece::END));
+    let (first, last) = (slope(motion, from), slope(motion, Piece::TAU_END));
     if first < 0 && last > 0 || first > 0 && last < 0 {
         return false;
     }
-    let (first, last) = (bend(motion, from), bend(motion, Piece::END));
+    let (first, last) = (bend(motion, from), bend(motion, Piece::TAU_END));
     motion.c[2] == 0 || !(first < 0 && last > 0 || first > 0 && last < 0)
 }
 

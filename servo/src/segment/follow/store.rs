@@ -13,8 +13,8 @@ pub trait FollowEntries {
 /// The first of an entry's two slots.
 #[inline(always)]
 fn slot(fifo: u8, index: u32) -> u32 {
-    const FIFO: u32 = SEGMENTS as u32 / 2;
-    (fifo as u32 & 1) * FIFO + ((index * 2) & (FIFO - 1))
+    const FIFO_SEGMENTS: u32 = SEGMENTS as u32 / 2;
+    (fifo as u32 & 1) * FIFO_SEGMENTS + ((index * 2) & (FIFO_SEGMENTS - 1))
 }
 
 impl SegmentStore {

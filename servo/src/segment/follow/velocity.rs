@@ -43,7 +43,7 @@ fn ratio(slave: &Motion, down: bool) -> Float {
 }
 
 /// The velocity of a slave whose master moves at `speed`; 0 if a motion backwards has no effect.
-pub fn led(slave: &Motion, lead: Lead, speed: Float) -> Float {
+pub fn slave_velocity(slave: &Motion, lead: Lead, speed: Float) -> Float {
     if is_back(lead, speed) { Float::ZERO } else { ratio(slave, lead.down).mul(speed) }
 }
 

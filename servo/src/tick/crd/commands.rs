@@ -17,7 +17,7 @@ use crate::units::{AxisMask, Crd, CrdMask, Exact, Ns, Pos};
 use crate::view::{CrdView, DrivenBy, Event, StopReason};
 
 /// The furthest from its zero, on every axis, that a path may begin: as far as targets may lie.
-const BEGIN_MAX: u64 = 1 << (31 + Pos::FRAC_BITS);
+const BEGIN_MAX_RAW: u64 = 1 << (31 + Pos::FRAC_BITS);
 
 /// The cause that fresh causes of latched bits are for light.
 fn cause_of(fresh: u32) -> Option<Cause> {
@@ -161,7 +161,7 @@ impl<const AXES: usize> Tick<AXES> {
         if here != state.published.position {
             state.published.position = here;
             state.mark_changed();
-            crds.moves = crds.moves.wrapping_add(1);
+            crds.version = crds.version.wrapping_add(1);
         }
     }
 
@@ -235,7 +235,7 @@ impl<const AXES: usize> Tick<AXES> {
                 }
             }
             self.crds.running.0 |= crd.mask().0;
-            self.crds.moves = self.crds.moves.wrapping_add(1);
+            self.crds.version = self.crds.version.wrapping_add(1);
         }
     }
 
@@ -259,7 +259,7 @@ impl<const AXES: usize> Tick<AXES> {
                 return Some(Event::Refused { lane, seq, axis, status: axis_state.status() });
             }
         }
-        let far = state.path.here().iter().any(|at| at.0.unsigned_abs() > BEGIN_MAX);
+        let far = state.path.here().iter().any(|at| at.0.unsigned_abs() > BEGIN_MAX_RAW);
         let paths = &state.path;
         if far || paths.refuses_start(fifo, state.feed()) { refused } else { None }
     }

@@ -45,9 +45,9 @@ impl CrdState {
             let counts = self.path.counts();
             self.publish_fresh(counts);
         }
-        let (axis_indices, CrdView { origin, position, heading, bend, motion, turns, moves, .. }) =
+        let (axis_indices, CrdView { origin, position, heading, bend, motion, piece_version, version, .. }) =
             (&self.axis_indices, &mut self.published);
-        let mut report = PathReport { position, heading, bend, motion, turns };
+        let mut report = PathReport { position, heading, bend, motion, piece_version };
         let displacement = self.path.publish_at(spot, &mut report);
         let [clearance, _] = self.clearance;
         if clearance != Clearance::Wide && !is_free(axis_indices, origin, position, axes) {
@@ -60,7 +60,7 @@ impl CrdState {
             }
             true
         });
-        *moves = moves.wrapping_add(1);
+        *version = version.wrapping_add(1);
         if self.path.is_due_until(until) {
             if !self.turn_after(axes, until) {
                 return StepResult::Short;
@@ -77,7 +77,7 @@ impl CrdState {
         if self.turn::<true>(axes).is_none() || self.path.is_due_until(until) {
             return false;
         }
-        self.published.turns = self.published.turns.wrapping_add(1);
+        self.published.piece_version = self.published.piece_version.wrapping_add(1);
         true
     }
 
@@ -98,8 +98,8 @@ impl CrdState {
 
     #[inline(always)]
     fn update_view(&mut self, [now, motions]: [u32; 2]) {
-        let CrdView { position, heading, bend, motion, turns, fifo, released, done, .. } = &mut self.published;
-        self.path.publish_fresh(&mut PathReport { position, heading, bend, motion, turns });
+        let CrdView { position, heading, bend, motion, piece_version, fifo, released, done, .. } = &mut self.published;
+        self.path.publish_fresh(&mut PathReport { position, heading, bend, motion, piece_version });
         *fifo = self.path.fifo();
         let index = (*fifo & 1) as usize;
         (released[index], done[index]) = (now, motions);
@@ -152,11 +152,11 @@ impl<const AXES: usize> Tick<AXES> {
         let until = Ns(next.0.wrapping_add(self.period.0));
         let (masters, running) = (self.order.masters, self.crds.running);
         let mut wants = self.lasers.wants();
-        self.crds.moves = self.crds.moves.wrapping_add(1);
+        self.crds.version = self.crds.version.wrapping_add(1);
         for crd in running.crds() {
             let Some(state) = self.crds.states.get_mut(crd.index()) else { return };
-            let led = masters.0 != 0 && state.has_slaves(masters);
-            let result = if led { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
+            let has_slaves = masters.0 != 0 && state.has_slaves(masters);
+            let result = if has_slaves { StepResult::Nowhere } else { state.fast_step(&mut self.axes, next, until) };
             let used = state.encoders.used;
             // A tick that enters a motion prepares nothing.
             if result != StepResult::Over
@@ -213,7 +213,7 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Those whose paths have come to standstill get their state at standstill.
-    pub(crate) fn settle_crds(&mut self, next: Ns, hand_overs: &mut HandOvers<AXES>) {
+    pub(crate) fn end_crds_at_standstill(&mut self, next: Ns, hand_overs: &mut HandOvers<AXES>) {
         for crd in self.crds.running.crds() {
             if self.crds.get(crd).is_some_and(|state| !state.path.runs()) {
                 self.walk_crd(crd, next, false, false, hand_overs);
@@ -255,8 +255,8 @@ impl<const AXES: usize> Tick<AXES> {
         };
         let published = &mut state.published;
         let Some(frame) = &published.frame else { return };
-        let led = self.order.masters.0 != 0 && self.order.masters.0 & frame.mask().0 != 0;
-        state.path.watch(led);
+        let has_slaves = self.order.masters.0 != 0 && self.order.masters.0 & frame.mask().0 != 0;
+        state.path.watch(has_slaves);
         let feed = FifoEnds { ends: published.ends };
         let mut sink = PathEffects::new(
             (crd, state.path.fifo()),
@@ -270,9 +270,10 @@ impl<const AXES: usize> Tick<AXES> {
         if there {
             state.path.go_through(next, period, feed, source, &mut sink);
         } else {
-            let CrdView { ref mut position, ref mut heading, ref mut bend, ref mut motion, ref mut turns, .. } =
-                *published;
-            let mut report = PathReport { position, heading, bend, motion, turns };
+            let CrdView {
+                ref mut position, ref mut heading, ref mut bend, ref mut motion, ref mut piece_version, ..
+            } = *published;
+            let mut report = PathReport { position, heading, bend, motion, piece_version };
             let reported = state.path.advance(next, period, feed, source, &mut sink, &mut report, may_prepare);
             published.done[(reported.fifo & 1) as usize] = reported.done;
             (published.fifo, published.released, runs) = (reported.fifo, reported.released, reported.runs);
@@ -284,7 +285,7 @@ impl<const AXES: usize> Tick<AXES> {
                 if let Some(axis) = axis.and_then(|axis| axes.get_mut(axis.index())) {
                     let from = axis.set_point();
                     axis.drive(Pos(at.0.wrapping_add(origin.0)));
-                    if led {
+                    if has_slaves {
                         axis.publish_displacement((self.now, period), from, &state.path.trajectory, (index, *origin));
                     }
                 }
@@ -299,13 +300,13 @@ impl<const AXES: usize> Tick<AXES> {
             state.path.leave_fast_path();
         }
         state.clearance = [Clearance::Unknown; 2];
-        published.moves = published.moves.wrapping_add(1);
-        crds.moves = crds.moves.wrapping_add(1);
+        published.version = published.version.wrapping_add(1);
+        crds.version = crds.version.wrapping_add(1);
         if let Some(path_stop) = path_stop {
             published.path_stop = path_stop;
             state.obstacle = obstacle;
         }
-        published.turns = published.turns.wrapping_add(1);
+        published.piece_version = published.piece_version.wrapping_add(1);
         let wants = self.lasers.wants();
         let measures = wants.encoder.has(crd) || state.encoders.used;
         if wants.planned.has(crd) || measures {

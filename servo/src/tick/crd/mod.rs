@@ -72,8 +72,8 @@ impl CrdState {
 
     /// Something other than the position on the path differs from the last view.
     pub(crate) fn mark_changed(&mut self) {
-        self.published.changes = self.published.changes.wrapping_add(1);
-        self.published.moves = self.published.moves.wrapping_add(1);
+        self.published.state_version = self.published.state_version.wrapping_add(1);
+        self.published.version = self.published.version.wrapping_add(1);
     }
 }
 
@@ -89,7 +89,7 @@ state! {
         /// Those with an alarm of one of their axes.
         alarms: CrdMask = CrdMask(0),
         /// Counts changes of the views of all of them.
-        pub(crate) moves: u32 = 0,
+        pub(crate) version: u32 = 0,
         /// Those that have had their turn in preparing a start.
         turn: u8 = 0,
     }
@@ -108,7 +108,7 @@ impl Crds {
     }
 
     fn get_mut(&mut self, crd: Crd) -> Option<&mut CrdState> {
-        self.moves = self.moves.wrapping_add(1);
+        self.version = self.version.wrapping_add(1);
         self.unprepared.0 |= crd.mask().0;
         let state = self.states.get_mut(crd.index())?;
         state.scans = PREPARE_AFTER_SCANS;

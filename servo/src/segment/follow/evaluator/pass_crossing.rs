@@ -27,7 +27,7 @@ impl FollowRun {
                     if let NextPiece::Prepared(prepared) = self.next {
                         self.next = NextPiece::Data;
                         self.enter_prepared(&prepared);
-                    } else if let Some(end) = self.settle(&mut still, context) {
+                    } else if let Some(end) = self.catch_up(&mut still, context) {
                         return Some(end);
                     }
                 }
@@ -46,7 +46,7 @@ impl FollowRun {
                 self.wait == Wait::No
             }
         };
-        if goes_on { self.settle(&mut still, context) } else { None }
+        if goes_on { self.catch_up(&mut still, context) } else { None }
     }
 
     /// The master moves along a section.
@@ -78,7 +78,7 @@ impl FollowRun {
             Wait::No => {}
         }
         self.reach(section.to.pos);
-        self.settle(&mut section, context)
+        self.catch_up(&mut section, context)
     }
 
     /// The motion begins with the master at `pos`.

@@ -256,22 +256,22 @@ impl FollowRun {
 
 /// The slave's displacement in this many passes; held at 2⁴⁶ pulses, which is too far anyway.
 pub(super) fn passes_of(displacement: i128, many: u32) -> i128 {
-    const DISPLACEMENT_MAX: i128 = 1 << (46 + 64);
+    const DISPLACEMENT_MAX_EXACT: i128 = 1 << (46 + 64);
     if ((displacement >> 40).wrapping_mul(many as i128)).unsigned_abs() >> (46 + 64 - 40) == 0 {
         displacement.wrapping_mul(many as i128)
     } else if displacement < 0 {
-        -DISPLACEMENT_MAX
+        -DISPLACEMENT_MAX_EXACT
     } else {
-        DISPLACEMENT_MAX
+        DISPLACEMENT_MAX_EXACT
     }
 }
 
 /// Whole passes of this length in `x` ≥ 0, at most 2³² − 2.
 pub(super) fn passes_in(x: i128, length: i128) -> u32 {
-    const PASSES_MAX: u64 = u32::MAX as u64 - 1;
+    const MAX_PASSES: u64 = u32::MAX as u64 - 1;
     let (x, length) = (x.max(0) as u128, length.max(1) as u128);
     if x >> 32 >= length {
-        return PASSES_MAX as u32;
+        return MAX_PASSES as u32;
     }
     // length·2^-s has 64 bits with the top one set, and the quotient no more than 32.
     let zeros = length.leading_zeros();
@@ -287,5 +287,5 @@ pub(super) fn passes_in(x: i128, length: i128) -> u32 {
         }
         many += 1;
     }
-    many.min(PASSES_MAX) as u32
+    many.min(MAX_PASSES) as u32
 }

@@ -17,7 +17,7 @@ const LENGTH_MAX_LOG2_PULSES: i32 = 35;
 const TIME_MAX_LOG2_MS: i32 = 30;
 const TIME_MIN_LOG2_MS: i32 = -19;
 /// 10⁶ has 44 leading zeros; 1/(2^k ms) has this mantissa and a shift of 44 − k.
-const MS_RECIP: u64 = (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64;
+const MS_RECIPROCAL_MANTISSA: u64 = (u128::MAX / (1_000_000 << 44) - (1 << 64)) as u64;
 
 fn in_ms(ms: Float) -> FineNs {
     ms.mul(Float::FINE_NS_PER_MS).to_fixed(0).unsigned_abs().min(1 << 96)
@@ -176,7 +176,7 @@ impl RampRun {
         let first = (begin + 0xffff_ffff) >> 32;
         let last = (begin + len + 0xffff_ffff) >> 32;
         s.done += len;
-        let recip = Recip { m: MS_RECIP, shift: (44 - k) as u32 };
+        let recip = Recip { m: MS_RECIPROCAL_MANTISSA, shift: (44 - k) as u32 };
         // τ at `first`, less than 1 ns after `begin`.
         let offset = ((begin as u32).wrapping_neg() as u64) << 32 >> 1 >> (63 - recip.shift);
         let motion = Motion {
