@@ -91,7 +91,7 @@ pub fn figure(title: &str, lines: &[Line], up_to: u64) -> String {
     );
     for db in (0..=80).step_by(20) {
         let y = y(-f64::from(db));
-        let _ = writeln!(svg, "<path d=\"M60 {y:.1}HEIGHT_PX{:.1}\" stroke=\"#ccc\"/>", WIDTH_PX - 20.0);
+        let _ = writeln!(svg, "<path d=\"M60 {y:.1}H{:.1}\" stroke=\"#ccc\"/>", WIDTH_PX - 20.0);
         let _ = writeln!(svg, "<text x=\"52\" y=\"{:.1}\" text-anchor=\"end\">{} dB</text>", y + 4.0, -db);
     }
     for multiple in 0..=up_to {
