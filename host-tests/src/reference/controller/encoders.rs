@@ -19,8 +19,8 @@ const TOLERANCE_COUNTS: f64 = 0.6;
 pub struct Machine {
     pub recorded: Vec<Vec<i64>>,
     /// Of each axis from where it began, pulses: where it is, and the set-point in force since the
-    /// tick before.
-    shafts: Vec<[f64; 2]>,
+    /// tick before, and how far the set-points of the lag may be from there.
+    shafts: Vec<[f64; 3]>,
     begin: Vec<Fix>,
     pub astray: Option<(usize, usize, f64)>,
 }
@@ -29,7 +29,7 @@ impl Machine {
     pub fn new(axes: &[Box<Axis>]) -> Machine {
         Machine {
             recorded: Vec::new(),
-            shafts: vec![[0.0; 2]; axes.len()],
+            shafts: vec![[0.0; 3]; axes.len()],
             begin: axes.iter().map(|axis| axis.x).collect(),
             astray: None,
         }
@@ -42,16 +42,17 @@ impl Controller {
         let share = 1.0 - (-(period as f64) / LAG_NS).exp();
         for (axis_index, axis) in self.axes.iter_mut().enumerate() {
             let machine = &mut self.machine;
-            let [shaft, in_force] = &mut machine.shafts[axis_index];
+            let [shaft, in_force, slack] = &mut machine.shafts[axis_index];
             if tick > 0 {
                 *shaft += (*in_force - *shaft) * share;
+                *slack = (*slack * (1.0 - share)).max((axis.slack + axis.late).to_f64());
                 *in_force = (axis.x - machine.begin[axis_index]).to_f64();
             }
             let modelled = machine.begin[axis_index] + Fix::of_f64(*shaft);
             let count = machine.recorded.get(tick).map(|row| Fix::whole(row[axis_index]));
             if let Some(count) = count {
                 let apart = (count - modelled).to_f64();
-                if apart.abs() > TOLERANCE_COUNTS && machine.astray.is_none() {
+                if apart.abs() > TOLERANCE_COUNTS + *slack && machine.astray.is_none() {
                     machine.astray = Some((tick, axis_index, apart));
                 }
             }
