@@ -71,6 +71,8 @@ pub struct Reader {
     begun: bool,
     figures: Figures,
     remark: String,
+    /// A line that is none, until what comes next: a board that stops within a line says why.
+    broken: Option<String>,
     /// Bytes before the first line of the run, and the first of them.
     foreign: usize,
     first: String,
@@ -104,6 +106,9 @@ impl Reader {
 
     /// Why a run that began has no end.
     pub fn cut_short(&self) -> String {
+        if let Some(broken) = &self.broken {
+            return broken.clone();
+        }
         let said = if self.remark.is_empty() {
             String::new()
         } else {
@@ -142,11 +147,18 @@ impl Reader {
         if let Some(remark) = line.strip_prefix('#') {
             if !remark.trim_matches('.').is_empty() {
                 self.remark = remark.trim().to_owned();
+                if let Some(broken) = self.broken.take() {
+                    let said = quoted(&self.remark, REMARK_CHARS);
+                    return Err(Failure::Job(format!("{broken}; the board said: {said}")));
+                }
             }
             return Ok(false);
         }
         if line.is_empty() {
             return Ok(false);
+        }
+        if let Some(broken) = self.broken.take() {
+            return Err(Failure::Job(broken));
         }
         let parsed = parse(line);
         if !self.begun {
@@ -165,8 +177,13 @@ impl Reader {
             self.lines = 1;
             return Ok(false);
         }
-        let (name, numbers) = parsed
-            .map_err(|why| Failure::Job(format!("line {}: {why}: {}", self.lines + 1, quoted(line, QUOTED_CHARS))))?;
+        let (name, numbers) = match parsed {
+            Ok(parsed) => parsed,
+            Err(why) => {
+                self.broken = Some(format!("line {}: {why}: {}", self.lines + 1, quoted(line, QUOTED_CHARS)));
+                return Ok(false);
+            }
+        };
         if name == "end" {
             if numbers != [self.lines] {
                 return Err(Failure::Job(format!("{}, the board has sent {numbers:?}", have_come(self.lines))));
@@ -241,9 +258,15 @@ mod tests {
         };
         let begin = line("format 2");
         let begin_again = begin.clone();
-        assert_eq!(feed(begin.clone() + "a 1*00\n"), "line 2: the checksum is wrong: a 1*00");
-        assert_eq!(feed(begin.clone() + "a 1\n"), "line 2: no checksum: a 1");
-        assert_eq!(feed(begin.clone() + &line("a x")), "line 2: not a number: ".to_owned() + line("a x").trim());
+        let next = line("b 1");
+        assert_eq!(feed(begin.clone() + "a 1*00\n" + &next), "line 2: the checksum is wrong: a 1*00");
+        assert_eq!(feed(begin.clone() + "a 1\n" + &next), "line 2: no checksum: a 1");
+        let word = line("a x");
+        assert_eq!(feed(begin.clone() + &word + &next), "line 2: not a number: ".to_owned() + word.trim());
+        // A line that is cut, and nothing more; a board that stops within a line says why.
+        assert_eq!(feed(begin.clone() + "a 1\n"), "false line 2: no checksum: a 1");
+        let stopped = begin.clone() + "a 1\r\n# the clock has stopped\r\n";
+        assert_eq!(feed(stopped), "line 2: no checksum: a 1; the board said: the clock has stopped");
         assert_eq!(feed(begin.clone() + &line("end 2")), "1 line has come, the board has sent [2]");
         assert_eq!(feed(line("format 1")), "the image sends format [1], this program reads 2: build both anew");
         assert_eq!(
@@ -251,7 +274,7 @@ mod tests {
             "false the board fell silent after 1 line; it said: hard fault at 0"
         );
         // What a terminal would obey is no line, and is not printed.
-        let wild = begin_again + "\u{1b}[2Jé" + &"x".repeat(5000) + "\n";
+        let wild = begin_again + "\u{1b}[2Jé" + &"x".repeat(5000) + "\n" + &next;
         assert_eq!(feed(wild), format!("line 2: no checksum: \\u{{1b}}[2Jé{}…", "x".repeat(75)));
         let long = line("format 2") + &"z".repeat(LINE_MAX_BYTES + 1);
         assert_eq!(feed(long), format!("a line of more than {LINE_MAX_BYTES} bytes"));
