@@ -146,8 +146,11 @@ fn a_tick_longer_than_its_period_is_shown_and_a_load_that_does_not_fit_is_not_ru
 /// there, and a page of before stays.
 #[test]
 fn without_jumper_6_nothing_lights_or_moves() {
-    const BEFORE: &str =
-        "# Bring-up\n\nBoard a, bring-up image b, chip c, by `beamtick bring-up` 0.1.0 on 2026-01-01.\n";
+    const BEFORE: &str = "# Bring-up\n\n\
+        Board a, bring-up image b, chip c, by `beamtick bring-up` 0.1.0 on 2026-01-01.\n\n\
+        1 row passed, 0 failed, 0 figures, 0 not measured. A number in the second column is a row of \
+        docs/board-assumptions.md.\n\n| row | assumption | result | figure |\n| --- | --- | --- | --- |\n\
+        | package of the chip | 30 | pass | PKG 2 |\n";
     let ground = |machine: &mut Machine| {
         ["PE15", "PE3", "PG2"].iter().for_each(|name| machine.drive(Pin::named(name).unwrap(), Some(false)));
     };
