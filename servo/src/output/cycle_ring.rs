@@ -114,24 +114,17 @@ impl<const SLOTS: usize, const WORDS: usize> CycleRing<SLOTS, WORDS> {
         self.last = [self.last[1], length.wrapping_mul(times)];
     }
 
-    /// Queues three cycles of these lengths, with the half-words of their compare registers.
+    /// Queues three cycles of these lengths, with the half-words of their compare registers. False,
+    /// and queues none, if there are no three slots in a row.
     #[inline(always)]
-    pub fn put_three<const N: usize>(&mut self, lengths: [u32; 3], compare: impl Fn(u32) -> [u32; N]) {
-        let Some((slots, free)) = self.free.split_first_chunk::<3>() else {
-            return self.put_apart(lengths, compare);
-        };
+    pub fn put_three<const N: usize>(&mut self, lengths: [u32; 3], compare: impl Fn(u32) -> [u32; N]) -> bool {
+        let Some((slots, free)) = self.free.split_first_chunk::<3>() else { return false };
         for (slot, length) in slots.iter().zip(lengths) {
             Self::write(slot, length, 1, compare(length));
         }
         let [_, last @ ..] = lengths;
         (self.free, self.last) = (free, last);
-    }
-
-    /// The same where the ring ends between them.
-    #[cold]
-    #[inline(never)]
-    fn put_apart<const N: usize>(&mut self, lengths: [u32; 3], compare: impl Fn(u32) -> [u32; N]) {
-        lengths.into_iter().for_each(|length| self.put(length, 1, compare(length)));
+        true
     }
 
     #[inline(always)]

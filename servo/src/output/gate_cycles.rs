@@ -161,7 +161,10 @@ impl GateCycles {
         let is_steady = self.waiting == 0 && self.lines.iter().all(GateEdges::is_steady);
         let Some(lengths) = long_and_two_short(counts, MIN_COUNTS).filter(|_| is_steady) else { return false };
         let [falls_0, falls_1] = self.lines.each_ref().map(|line| line.falls);
-        ring.put_three(lengths, |length| [NEVER_COUNTS, falls_0.min(length), falls_1.min(length), NEVER_COUNTS]);
+        let compare = |length: u32| [NEVER_COUNTS, falls_0.min(length), falls_1.min(length), NEVER_COUNTS];
+        if !ring.put_three(lengths, compare) {
+            return false;
+        }
         (self.begin, self.known) = (self.begin.wrapping_add(counts.into()), to);
         true
     }

@@ -107,7 +107,9 @@ impl PwmCycles {
         let counts = (to.saturating_sub(self.begin) as u32).saturating_sub(MIN_COUNTS);
         let is_dark = self.train.is_none() && !self.runs && self.next.is_none() && self.until <= self.begin;
         let Some(lengths) = long_and_two_short(counts, MIN_COUNTS).filter(|_| is_dark) else { return false };
-        ring.put_three(lengths, |_| [0]);
+        if !ring.put_three(lengths, |_| [0]) {
+            return false;
+        }
         (self.begin, self.known) = (self.begin.wrapping_add(counts.into()), to);
         true
     }
