@@ -91,6 +91,39 @@ fn data_added_to_a_running_fifo_belongs_to_the_pass() {
     assert_eq!((pulses(view.axes[0].pos), view.axes[0].passes), (20.0, 1));
 }
 
+/// A smooth Stop in the very tick at which the last pass ends: data, or a pass, that comes after it
+/// in the same instant does not lengthen the motion.
+#[test]
+fn what_comes_after_a_stop_at_the_end_moves_nothing() {
+    for longer in [false, true] {
+        let mut bench = Bench::prepared(250, MotionMode::PtStatic);
+        bench.pt(0, 0, &[(10.0, 10, 0)]);
+        bench.now(TickCommand::PtLoop { axis: axis(0), passes: 2 });
+        bench.start(&[0]);
+        let zero = bench.tick().now.0;
+        let view = bench.until(zero + 20 * MS - 250_000);
+        assert!(has(&view.axes[0], status::RUNNING));
+        bench.now(TickCommand::stop(all(&[0]), all(&[])));
+        if longer {
+            bench.pt(0, 0, &[(40.0, 20, 0)]);
+        } else {
+            bench.now(TickCommand::PtLoop { axis: axis(0), passes: 5 });
+        }
+        let view = bench.tick();
+        let published = view.axes[0];
+        assert_eq!((pulses(published.pos), published.passes, published.stop), (20.0, 2, StopReason::Completed));
+        assert!(!has(&published, status::RUNNING), "longer: {longer}");
+        assert_eq!(stopped(bench.event()), (0, StopReason::Completed));
+        assert!(bench.event().is_none());
+        let view = bench.ticks(100);
+        assert_eq!((pulses(view.axes[0].pos), has(&view.axes[0], status::RUNNING)), (20.0, false));
+        // What was given counts for the next start.
+        bench.start(&[0]);
+        let end = if longer { 20.0 + 2.0 * 40.0 } else { 20.0 + 5.0 * 10.0 };
+        assert_eq!(pulses(bench.run_to_standstill().axes[0].pos), end);
+    }
+}
+
 #[test]
 fn a_stream_that_runs_dry_at_speed_is_an_underrun_and_a_new_epoch() {
     let mut bench = Bench::prepared(250, MotionMode::PtDynamic);

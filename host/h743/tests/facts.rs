@@ -410,8 +410,8 @@ fn a_break_that_no_tick_has_read_outlives_the_reset_of_the_timers() {
     assert_ne!((cause(&client, 0), cause(&client, 1)), (0, 0));
 }
 
-/// An instruction is a cycle here, so what is reported is what the handler's instructions take:
-/// 2,600 to 3,000 at 480 MHz.
+/// An instruction is a cycle here, so what is reported is what the handler's instructions take at
+/// 480 MHz: 1,800 to 2,400, of which a tick of the session takes more.
 #[test]
 fn how_long_ticks_take_is_measured() {
     let Some(machine) = started(|_| {}) else { return };
@@ -424,7 +424,7 @@ fn how_long_ticks_take_is_measured() {
     let (measured, period, median, worst) = reported(100);
     assert_eq!((measured, period), (1, 50_000));
     // The longest were those in which the session began.
-    assert!((5_000..7_000).contains(&median), "{median} ns");
+    assert!((3_500..5_000).contains(&median), "{median} ns");
     assert!((2 * median..period).contains(&worst), "{worst} ns at most");
     // The histogram counts each tick once: 2,000 in 0.1 s, and those of the calls.
     let counts = || {

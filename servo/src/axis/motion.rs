@@ -103,33 +103,37 @@ impl AxisState {
         }
     }
 
-    /// Smooth stop from `next` on. A motion that ends there anyway ends by itself.
-    pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &impl MotionData) {
+    /// Smooth stop from `next` on. A motion that ends there anyway ends by itself, before what comes
+    /// after the stop could lengthen it; then the result is its stop reason.
+    pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &impl MotionData) -> Option<StopReason> {
         if !self.state.is_own() || self.ending.is_brake() {
-            return;
+            return None;
         }
         // A motion that begins on this very tick was never published as running, and does not move.
         if self.published.status & status::RUNNING == 0 {
-            return self.halt(next, reason);
+            self.halt(next, reason);
+            return None;
         }
         if let Some(follower) = self.profile.follower_mut() {
             follower.braking = follower.braking.or(Some(reason));
-            return;
+            return None;
         }
         let (from, runs) = self.moving(next, source);
-        if runs {
-            let dec = self.ramps.stop_dec;
-            // A pass that has ended by now is counted.
-            if self.profile.reports_pass && self.profile.piece().elapsed(next) >= self.profile.piece().span {
-                self.publish_pass_of(true);
-            }
-            self.profile.enter_reached(next);
-            self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
-            self.set_off(reason);
-            self.hold_first_piece(next, from);
-            self.end_stream(pt_state::STOPPED);
-            self.leave_table(next);
+        if !runs {
+            return self.turn(next, source);
         }
+        let dec = self.ramps.stop_dec;
+        // A pass that has ended by now is counted.
+        if self.profile.reports_pass && self.profile.piece().elapsed(next) >= self.profile.piece().span {
+            self.publish_pass_of(true);
+        }
+        self.profile.enter_reached(next);
+        self.profile.begin_ramp(next, |run| run.begin_stop(next, from, dec));
+        self.set_off(reason);
+        self.hold_first_piece(next, from);
+        self.end_stream(pt_state::STOPPED);
+        self.leave_table(next);
+        None
     }
 
     /// Planned velocity 0 from `next` on, at the present position.

@@ -332,8 +332,15 @@ impl<const AXES: usize> Tick<AXES> {
     }
 
     /// Axes brake with their stop decelerations.
-    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, hand_overs: &HandOvers<AXES>) {
-        self.sourced(axes, hand_overs, |state, source| state.stop_smooth(next, reason, source));
+    fn brake_axes(&mut self, axes: AxisMask, reason: StopReason, next: Ns, hand_overs: &mut HandOvers<AXES>) {
+        for axis in self.in_use(axes).axes() {
+            if let Some(state) = self.axes.get_mut(axis.index())
+                && let Some(source) = hand_overs.source(axis)
+                && let Some(reason) = state.stop_smooth(next, reason, &source)
+            {
+                report_event(hand_overs.events, &mut self.events_lost, Event::Stopped { axis, reason, now: next });
+            }
+        }
     }
 
     /// Motion brakes: coordinate systems along their paths, axes with their stop decelerations.
