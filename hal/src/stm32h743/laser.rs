@@ -48,6 +48,8 @@ static DELAY_1: [AtomicU32; DELAY_LINE_WORDS] = [const { AtomicU32::new(0) }; DE
 enum State {
     /// Stopped; their rings are made dark.
     Stopped,
+    /// Set up. That and the first cycles take too long for one tick of 10 µs.
+    Ready,
     /// Their first cycles are queued in this tick.
     Begins,
     /// They start with the next tick.
@@ -378,6 +380,7 @@ impl Lasers {
                     self.stop();
                 }
             }
+            State::Ready => (self.next, self.state) = (0, State::Begins),
             State::Begins => self.stop(),
             State::Stopped => {
                 let [first, second] = &mut self.energy_timers;
@@ -389,19 +392,18 @@ impl Lasers {
         }
     }
 
-    /// Prepares the timers: they begin to count with the next tick.
+    /// Sets the timers up: their first cycles are queued in the next tick.
     #[cold]
     fn arm(&mut self) {
         // Their streams have stopped: no more of a burst comes.
         if core::mem::replace(&mut self.is_used, true) {
             reset();
         }
-        self.next = 0;
         self.energies = [const { PwmCycles::from(RING_BEGIN_COUNTS, SCALE) }; CHANNELS];
         self.switches = GateCycles::from(RING_BEGIN_COUNTS, SCALE);
         self.energy_timers.iter_mut().for_each(Timer::arm);
         self.switch_timer.arm();
-        self.state = State::Begins;
+        self.state = State::Ready;
     }
 
     /// Arms the timers to start with the next tick, unless that is due already.
@@ -458,7 +460,7 @@ impl Lasers {
         if plan.safe_state {
             self.safe_state(channel);
         }
-        if self.state != State::Stopped {
+        if !matches!(self.state, State::Stopped | State::Ready) {
             self.queue(channel, SCALE.counts(plan.lasts).into());
         }
         if !plan.safe_state && !self.delay_lines.get_mut(channel).is_some_and(|delayed| delayed.put(plan)) {
@@ -467,7 +469,7 @@ impl Lasers {
     }
 
     /// Queues the cycles of a channel's delayed plan for the next tick, which lasts so many counts.
-    #[inline]
+    #[inline(never)]
     fn queue(&mut self, channel: usize, lasts: u64) {
         let (from, to) = (self.next, self.next.wrapping_add(lasts));
         let (Some(energy), Some(timer), Some(delayed), Some(is_live)) = (

@@ -9,8 +9,15 @@
 mod loads;
 
 use h743::counted::Counted;
+use h743::link::lock;
 use h743::machine::Chip;
+use h743::{MICROSECOND, MILLISECOND};
 use loads::{LOADS, Load, TICK};
+use protocol::command::{
+    Abort, AxisOn, ClrLaserFault, GetLaserFault, LaserOn, LaserPrfCmd, LaserStatus, ProgramStatus, Reset, SetAxisMode,
+    SetTick,
+};
+use protocol::values::laser_fault;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -86,4 +93,51 @@ fn the_whole_interrupt_takes_what_the_page_says() {
         return;
     }
     assert!(longer.is_empty(), "longer than docs/numbers.md says: {longer:#?}");
+}
+
+/// The shortest ticks, while both lasers have a fault and all axes have moved: the timers stop at a
+/// tick that takes too long, and each tick of their next start has the time for it.
+#[test]
+fn lasers_start_again_in_the_shortest_ticks() {
+    let Some(path) = std::env::var_os("BEAMTICK_H743_IMAGE") else {
+        println!("skipped: BEAMTICK_H743_IMAGE names no image");
+        return;
+    };
+    let elf = std::fs::read(path).unwrap();
+    let loads::Loaded { shared, client } = loads::start(&elf, &LOADS[2], 20, false);
+    let core = 1.into();
+    client.call(Abort { core }).unwrap();
+    lock(&shared).run(300 * MILLISECOND);
+    client.call(Reset { core }).unwrap();
+    client.call(SetTick { tick_us: 10.into() }).unwrap();
+    for axis in 1..=8i16 {
+        client.call(AxisOn { core, axis: axis.into() }).unwrap();
+    }
+    {
+        let mut machine = lock(&shared);
+        machine.run(5 * MILLISECOND);
+        while machine.running() != TICK {
+            machine.run(1);
+        }
+        machine.run(MICROSECOND);
+        assert_eq!(machine.running(), TICK);
+        machine.chip.now += 25 * MICROSECOND;
+        machine.run(5 * MILLISECOND);
+    }
+    let overruns = || client.call(ProgramStatus {}).unwrap().overruns.get();
+    let before = overruns();
+    assert_ne!(before, 0);
+    lock(&shared).run(20 * MILLISECOND);
+    assert_eq!(overruns(), before, "ticks overrun for ever");
+    for (axis, channel) in [(7i16, 0i16), (8, 1)] {
+        let channel = channel.into();
+        assert_eq!(client.call(GetLaserFault { core, channel }).unwrap().value.get(), laser_fault::OVERRUN);
+        client.call(ClrLaserFault { core, channel }).unwrap();
+        client.call(SetAxisMode { core, axis: axis.into(), mode: 1.into() }).unwrap();
+        client.call(LaserPrfCmd { core, power: 50.0.into(), channel }).unwrap();
+    }
+    client.call(LaserOn { core, channel: 0.into() }).unwrap();
+    lock(&shared).run(MILLISECOND);
+    let lit = client.call(LaserStatus { core, channel: 0.into() }).unwrap();
+    assert_eq!((lit.light, lit.fault.get()), (1, 0));
 }
