@@ -103,8 +103,8 @@ impl AxisState {
         }
     }
 
-    /// Smooth stop from `next` on. A motion that ends there anyway ends by itself, before what comes
-    /// after the stop could lengthen it; then the result is its stop reason.
+    /// Smooth stop from `next` on. A motion that ends there anyway ends by itself, before what
+    /// comes after the stop could lengthen it: returns its stop reason then.
     pub(crate) fn stop_smooth(&mut self, next: Ns, reason: StopReason, source: &impl MotionData) -> Option<StopReason> {
         if !self.state.is_own() || self.ending.is_brake() {
             return None;
