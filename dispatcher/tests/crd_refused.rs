@@ -51,7 +51,7 @@ fn parameters_of_a_coordinate_system() {
             bad(clear(0), 1, "CrdClear: coordinate system 1 drives no axis; call SetCrdPrm first"),
             bad(SetCrdPrm { crd: 3.into(), ..p }, 7, "SetCrdPrm: crd is 3; allowed are 1 to 2"),
             bad(SetCrdPrm { crd: 0.into(), ..p }, 7, "SetCrdPrm: crd is 0; allowed are 1 to 2"),
-            bad(SetCrdPrm { core: 2.into(), ..p }, 7, "SetCrdPrm: core is 2; allowed are 1 to 1"),
+            bad(SetCrdPrm { core: 2.into(), ..p }, 7, "SetCrdPrm: core is 2; it must be 1"),
             bad(SetCrdPrm { dimension: 0.into(), ..p }, 7, "SetCrdPrm: dimension is 0; it must be from 1 to 4"),
             bad(SetCrdPrm { dimension: 5.into(), ..p }, 7, "SetCrdPrm: dimension is 5; it must be from 1 to 4"),
             bad(SetCrdPrm { profile: elements([1, 3]), ..p }, 7, "SetCrdPrm: profile[1] is 3; allowed are 0 to 2"),

@@ -162,7 +162,7 @@ fn channels_and_cores_that_do_not_exist_are_refused_in_every_command() {
             }
             let mut other = body::<$name>($request, &[]);
             other[0] = 2;
-            let text = concat!(stringify!($name), ": core is 2; allowed are 1 to 1");
+            let text = concat!(stringify!($name), ": core is 2; it must be 1");
             refused_raw($bench, opcode::$name, &other, 7, text);
         )*};
     }
@@ -197,7 +197,7 @@ fn channels_and_cores_that_do_not_exist_are_refused_in_every_command() {
             (opcode::SetLaserMode, body::<SetLaserMode>(resolution(0), &[])),
         ] {
             request[0] = 2;
-            let text = format!("{}: core is 2; allowed are 1 to 1", info(opcode).unwrap().name);
+            let text = format!("{}: core is 2; it must be 1", info(opcode).unwrap().name);
             refused_raw(&mut bench, opcode, &request, 7, &text);
         }
     }
@@ -487,8 +487,8 @@ fn axis_connectors_belong_to_the_gus_family() {
     refused(b, connector(9, 1), 7, "SetAxisMode: axis is 9; allowed are 7 to 8");
     refused(b, connector(7, 2), 7, "SetAxisMode: mode is 2; allowed are 0 to 1");
     refused(b, connector(7, -1), 7, "SetAxisMode: mode is -1; allowed are 0 to 1");
-    refused(b, connector(8, 0), 7, "SetAxisMode: mode is 0; allowed are 1 to 1");
-    refused(b, SetAxisMode { core: 2.into(), ..connector(7, 1) }, 7, "SetAxisMode: core is 2; allowed are 1 to 1");
+    refused(b, connector(8, 0), 7, "SetAxisMode: mode is 0; it must be 1");
+    refused(b, SetAxisMode { core: 2.into(), ..connector(7, 1) }, 7, "SetAxisMode: core is 2; it must be 1");
     // Pulses do not reach a connector that carries steps; the analog output is another.
     for (channel, axis) in [(0i16, 7), (1, 8)] {
         let on = LaserOn { core: 1.into(), channel: channel.into() };

@@ -4,7 +4,7 @@ use crate::{bench, laser_channel};
 use bench::{Bench, MS, entry, sleep};
 use laser_channel::*;
 use protocol::command::*;
-use protocol::reason::{Reason, describe_opcode};
+use protocol::reason::{Reason, Refusal, describe_opcode};
 use servo::laser::Cause;
 
 /// The interlock is active until it is set back; light was on before.
@@ -52,6 +52,10 @@ fn a_fault_is_reported_and_cleared_when_its_cause_is_gone() {
         let dark = "laser channel 0 is kept dark by a fault";
         assert_eq!(text, format!("SetHSIOOpt: {dark}: {CAUSE}; once that is over call ClrLaserFault"));
         assert_eq!(answer.code, 1);
+        let over = Refusal { high: 0.0.into(), ..answer.refusal() };
+        let text = describe_opcode(opcode::SetHSIOOpt, over).to_string();
+        let was = "was kept dark by a fault, which was cleared since; give the call again";
+        assert_eq!(text, format!("SetHSIOOpt: laser channel 0 {was}"));
         let clear = |channel: i16| ClrLaserFault { core: 1.into(), channel: channel.into() };
         let answer = bench.call(clear(0));
         let text = describe_opcode(opcode::ClrLaserFault, answer.refusal()).to_string();

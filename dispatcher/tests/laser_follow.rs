@@ -17,7 +17,7 @@ fn what_both_families_refuse_of_buffered_commands() {
         refused(b, buf_off(1, -1, 0), &[], 7, "BufLaserOff: fifo is -1; allowed are 0 to 1");
         refused(b, buf_off(1, 0, -1), &[], 7, "BufLaserOff: channel is -1; allowed are 0 to 1");
         let core = BufLaserOff { core: 2.into(), ..buf_off(1, 0, 0) };
-        refused(b, core, &[], 7, "BufLaserOff: core is 2; allowed are 1 to 1");
+        refused(b, core, &[], 7, "BufLaserOff: core is 2; it must be 1");
         refused(b, buf_on(2, 0, 0), &[], 1, "BufLaserOn: coordinate system 2 drives no axis; call SetCrdPrm first");
         refused(b, buf_power(f64::NAN), &[], 7, "BufLaserPrfCmd: power is not a finite number");
         refused(b, buf_power(f64::INFINITY), &[], 7, "BufLaserPrfCmd: power is not a finite number");

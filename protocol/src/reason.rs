@@ -360,12 +360,26 @@ impl Description<'_> {
             (Reason::Between, opcode::SetCrdLimit) => {
                 "{field} is {got}; it must be 0, which is no limit, or above {low} and below {high}"
             }
+            (Reason::Selector, _) if low == high => "{field} is {got}; it must be {low}",
+            (Reason::NotForProgram, opcode::SetTick) => {
+                "the tick cannot change within a job or a program; #pragma tick N in the script sets a job's"
+            }
+            (Reason::LaserFault, _) if high == 0.0 => {
+                "laser channel {got} was kept dark by a fault, which was cleared since; give the call again"
+            }
             (Reason::CrdFull, _) => "coordinate system {axis}: the FIFO is full; {high} entries fit",
             (Reason::NoLength, opcode::ArcXYR | opcode::ArcYZR | opcode::ArcZXR) => {
                 "the motion has no length: its target is where it begins; a full circle is made by its centre (ArcXYC, ArcYZC, ArcZXC)"
             }
             _ => reason.text(),
         }
+    }
+
+    /// What a caller wrote who has masks as `long`.
+    fn as_long(&self, f: &mut Formatter<'_>, got: f64) -> fmt::Result {
+        let mask = got as u32;
+        let is_negative = self.field == "mask" && f64::from(mask) == got && mask > i32::MAX as u32;
+        if is_negative { write!(f, " (as a long {})", mask as i32) } else { Ok(()) }
     }
 }
 
@@ -388,13 +402,13 @@ impl Display for Description<'_> {
                 ("field", _) if self.field.is_empty() => f.write_str("the value")?,
                 ("field", Some(element)) => write!(f, "{}[{element}]", self.field)?,
                 ("field", None) => f.write_str(self.field)?,
-                ("got", _) => exact(f, refusal.got.get())?,
+                ("got", _) => {
+                    exact(f, refusal.got.get())?;
+                    self.as_long(f, refusal.got.get())?;
+                }
                 ("low", _) => rounded(f, refusal.low.get())?,
                 ("high", _) => rounded(f, refusal.high.get())?,
-                ("cause", _) => f.write_str(match refusal.high.get() as i16 {
-                    0 => "one that was cleared since",
-                    cause => laser_cause(cause),
-                })?,
+                ("cause", _) => f.write_str(laser_cause(refusal.high.get() as i16))?,
                 ("stop", _) => f.write_str(stop_reason(refusal.high.get() as u16))?,
                 ("axis", _) => write!(f, "{}", refusal.axis.get())?,
                 _ => write!(f, "{{{name}}}")?,

@@ -2,7 +2,7 @@
 use crate::tick_bench;
 use servo::status;
 use servo::tick_command::{Lane, MotionMode, TickCommand};
-use servo::units::{AxisMask, Pos};
+use servo::units::{AxisMask, Ns, Pos};
 use servo::view::{Event, StopReason};
 use tick_bench::*;
 
@@ -121,6 +121,38 @@ fn what_comes_after_a_stop_at_the_end_moves_nothing() {
         bench.start(&[0]);
         let end = if longer { 20.0 + 2.0 * 40.0 } else { 20.0 + 5.0 * 10.0 };
         assert_eq!(pulses(bench.run_to_standstill().axes[0].pos), end);
+    }
+}
+
+/// The last tick of a Trap: a smooth Stop leaves it to end at its target; an abrupt Stop beside it
+/// counts, and leaves the axis where it was.
+#[test]
+fn an_abrupt_stop_counts_beside_a_smooth_one_at_the_end() {
+    let moves = || {
+        let mut bench = Bench::prepared(250, MotionMode::Trap);
+        let (axis, one) = (axis(0), accel(1.0));
+        bench.now(TickCommand::TrapPrm { axis, acc: one, dec: one, vel_start: speed(0.0), smooth: Ns(0) });
+        bench.now(TickCommand::TargetSpeed { axis, speed: speed(5.0) });
+        bench.now(TickCommand::TargetPosition { axis, pulses: 101 });
+        bench.now(TickCommand::Update { axes: all(&[0]) });
+        bench.tick();
+        bench
+    };
+    let end = moves().run_to_standstill().now.0;
+    for abrupt in [false, true] {
+        let mut bench = moves();
+        let before = bench.until(end - 250_000).axes[0].pos;
+        assert!((100.9..101.0).contains(&pulses(before)));
+        bench.now(TickCommand::stop(all(&[0]), all(&[])));
+        if abrupt {
+            bench.now(TickCommand::stop(all(&[0]), all(&[0])));
+        }
+        let (pos, reason) =
+            if abrupt { (pulses(before), StopReason::StopAbrupt) } else { (101.0, StopReason::Completed) };
+        let now = bench.tick().axes[0];
+        assert_eq!((pulses(now.pos), now.stop, has(&now, status::RUNNING)), (pos, reason, false));
+        assert_eq!(stopped(bench.event()), (0, reason));
+        assert_eq!(pulses(bench.ticks(10).axes[0].pos), pos);
     }
 }
 

@@ -238,7 +238,7 @@ fn what_is_wrong_with_a_file_is_reported_before_anything_runs() {
     for (inputs, reported) in [
         ("t_ms,input,level\n0,gpi0,1\n", "in.csv:2: input: `0` is no number of gpi; it is from 1 to 100"),
         ("t_ms,input,level\n0,home9,1\n", "in.csv:2: input: the number is 9; allowed are 1 to 8"),
-        ("t_ms,input,level\n0,core2_home1,1\n", "in.csv:2: input: the core is 2; allowed are 1 to 1"),
+        ("t_ms,input,level\n0,core2_home1,1\n", "in.csv:2: input: the core is 2; it must be 1"),
         ("t_ms,input\n", "in.csv:1: the columns are `t_ms,input`; they are t_ms,input,level"),
     ] {
         let folder = folder(job, inputs);
@@ -262,9 +262,9 @@ fn a_call_that_is_wrong_names_parameter_and_limit() {
         ("GT_SimInput(MC_HOME, 9, 1);", "index is 9; allowed are 1 to 8"),
         ("GT_SimInput(MC_GPI, 33, 1);", "index is 33; allowed are 1 to 32"),
         ("GT_SimInput(MC_GPI, 0, 1);", "index is 0; allowed are 1 to 32"),
-        ("GT_SimInput(MC_INTERLOCK, 2, 1);", "index is 2; allowed are 1 to 1"),
+        ("GT_SimInput(MC_INTERLOCK, 2, 1);", "index is 2; it must be 1"),
         ("GT_SimInput(MC_GPI, 1, 2);", "level is 2; allowed are 0 to 1"),
-        ("GTN_SimInput(2, MC_GPI, 1, 1);", "core is 2; allowed are 1 to 1"),
+        ("GTN_SimInput(2, MC_GPI, 1, 1);", "core is 2; it must be 1"),
         ("GT_SimAdc(0, 1);", "adc is 0; allowed are 1 to 8"),
         ("GT_SimAdc(9, 1);", "adc is 9; allowed are 1 to 8"),
         ("GT_SimAdc(1, 12.6);", "volts is 12.6; it must be from -12.5 to 12.5"),

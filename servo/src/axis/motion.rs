@@ -120,7 +120,8 @@ impl AxisState {
         }
         let (from, runs) = self.moving(next, source);
         if !runs {
-            return self.turn(next, source);
+            let has_data = !matches!(self.profile.generator(), Generator::Ramp(_));
+            return if has_data { self.turn(next, source) } else { None };
         }
         let dec = self.ramps.stop_dec;
         // A pass that has ended by now is counted.
