@@ -211,20 +211,22 @@ fn clock(hands: &mut dyn Hands) -> Result<Figures, Failure> {
     )?;
     // From here on a signal ends it through `uncut`, so that no light is left.
     let _held = Held::new();
-    let link = hands.link()?;
-    found_by_guard(hands, link).map_err(|failure| {
+    let (link, mut may_shine) = (hands.link()?, false);
+    found_by_guard(hands, link, &mut may_shine).map_err(|failure| {
         let said = match hands.link().is_ok_and(|mut link| is_dark(&mut *link)) {
             true => ". The board says that the light has ended",
             // A board answers the order before it lights.
-            false if is_silence(&failure) => "",
+            false if is_silence(&failure) && !may_shine => "",
             false => ". Both lasers may be lit for five minutes: press B2 at the board",
         };
         failure.with(said)
     })
 }
 
-fn found_by_guard(hands: &mut dyn Hands, mut link: Box<dyn Link>) -> Result<Figures, Failure> {
+/// Says as soon as there may be light.
+fn found_by_guard(hands: &mut dyn Hands, mut link: Box<dyn Link>, may_shine: &mut bool) -> Result<Figures, Failure> {
     let lit = measure(&mut *link, b"lit\n")?;
+    *may_shine = true;
     drop(link);
     if lit.only::<3>("lit") != Some([1; 3]) {
         return Err(Failure::Job("there is no light: jumper 6 (docs/bring-up.md) is missing".to_owned()));

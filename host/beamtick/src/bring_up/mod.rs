@@ -51,7 +51,8 @@ const NO_ANSWER: &str = "the board does not answer. Flash the bring-up image: `c
     out/beamtick-bring-up-VERSION.hex (images/ of a release) onto the board's drive; press B2, try again. The link is the \
     ST-LINK's port with its rate, 3000000. LD3 (red) alone: BOOT0 is bridged, or the image refuses the chip, which is no STM32H743 \
     of revision X or V (assumption 6). `ls /dev/ttyACM*` shows ports (macOS: `ls /dev/cu.usbmodem*`)";
-const NO_OWN_IMAGE: &str = "This wants the board's own image, and maybe the bring-up image runs: `cargo flash-board`, or copy \
+const NO_OWN_IMAGE: &str = "This wants the board's own image (`--hands dac`: the one for an external DAC, \
+    `cargo flash-board external-dac`), and maybe the bring-up image runs: `cargo flash-board`, or copy \
     out/beamtick-h743-VERSION.hex (`cargo xtask image`; images/ of a release) onto the board's drive. The link is the ST-LINK's port with its rate, 3000000: `ls \
     /dev/ttyACM*` shows ports (macOS: `ls /dev/cu.usbmodem*`)";
 const NO_FIGURE: &str = "the run has ended, and no row of the page has got a figure. The image and this program do not belong \
@@ -117,7 +118,8 @@ pub fn over(mut link: Box<dyn Link>, arguments: &BringUp) -> Result<(), Failure>
         }
         let text = page::kept(name, before, report.text())?;
         failed = page::failed(&text);
-        let summary = page::summary(&text);
+        let summary = [Some(page::summary(&text)), page::not_for_lasers(&text)].into_iter().flatten();
+        let summary = summary.collect::<Vec<_>>().join("; ");
         Ok((text, summary))
     });
     drop(held);

@@ -256,6 +256,23 @@ pub fn summary(page: &str) -> String {
     counted([count("pass"), count("**FAIL**"), count("figure"), count("not measured")])
 }
 
+/// Assumptions that say whether light ends, or begins where none was asked for: without a
+/// measurement they count as failed (docs/bring-up.md).
+const OF_LIGHT: [u8; 12] = [1, 2, 3, 4, 5, 7, 9, 10, 12, 32, 34, 35];
+
+/// Why a board whose page this is gets no laser yet, though none of its rows failed.
+pub fn not_for_lasers(page: &str) -> Option<String> {
+    let open = |row: &&Row| {
+        let begin = format!("{}not measured |", head(row));
+        row.assumptions.iter().any(|of| OF_LIGHT.contains(of)) && page.lines().any(|line| line.starts_with(&begin))
+    };
+    let open: Vec<_> = rows().into_iter().filter(open).map(|row| row.what).collect();
+    let these = open.join(", ");
+    (!open.is_empty()).then(|| {
+        format!("connect no laser yet: these rows were not measured: {these}. Put in their jumpers (docs/bring-up.md)")
+    })
+}
+
 /// With the counts of the first table's results.
 fn recounted(text: &str) -> String {
     let line = |line: &str| match line.split_once(". A number") {
@@ -344,6 +361,18 @@ mod tests {
 
     pub fn line<'a>(page: &'a str, what: &str) -> &'a str {
         page.lines().find(|line| line.starts_with(&format!("| {what} | "))).unwrap()
+    }
+
+    #[test]
+    fn a_page_says_which_rows_a_laser_waits_for() {
+        let page = Report::of(&figures("watchdog", &[24_000_000])).text();
+        let text = not_for_lasers(&page).unwrap();
+        for row in ["pins after a reset", "from the interlock to dark", "a locked-up core ends light"] {
+            assert!(text.contains(row), "{row}: {text}");
+        }
+        assert!(!text.contains("the watchdog's time") && !text.contains(CLOCK), "{text}");
+        let measured = page.replace("| not measured |", "| pass |");
+        assert_eq!(not_for_lasers(&measured), None);
     }
 
     /// A row that is settled leaves all others as they are; one that is settled anew takes its
