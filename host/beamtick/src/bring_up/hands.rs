@@ -393,6 +393,9 @@ mod tests {
         assert_eq!(text, super::super::NO_ANSWER);
         let Err(Failure::Job(text)) = with(&mut GoesAway(vec![], 1), ByHand::Clock, None) else { panic!() };
         assert_eq!(text, "the port is gone");
+        // It was lit, and is silent afterwards.
+        let Err(Failure::Job(text)) = with(&mut GoesAway(vec!["", "", lit], 2), ByHand::Clock, None) else { panic!() };
+        assert_eq!(text, format!("{}{PRESS}", super::super::NO_ANSWER));
         // Whatever has said anything may have heard it.
         let Err(Failure::Job(text)) = with(&mut GoesAway(vec!["", "noise"], 1), ByHand::Clock, None) else { panic!() };
         assert!(text.starts_with("5 bytes have come, ") && text.ends_with(PRESS), "{text}");
