@@ -418,12 +418,7 @@ fn a_wrong_fact_of_dma_or_of_a_timer_fails_in_its_row() {
         (Wrong::HalfTimers, &["cycles of the core in a count of the timers"], "4.0001, of 2"),
         (Wrong::SlowBreak, &["from the interlock to dark"], "28 counts, MOE of TIM1 0, TIM15 0, TIM8 0 after it"),
         (Wrong::Unconnected(8), &["from the interlock to dark", BREAKS], ""),
-        // Light ends at once; what needs it has no edge.
-        (
-            Wrong::BusyDma,
-            &["cycles of 2 MHz, all streams busy", "steps of 1 MHz beside the shortest cycles"],
-            "no edge",
-        ),
+        (Wrong::BusyDma, &["steps of 1 MHz, all streams busy", "cycles of 2 MHz, all streams busy"], ""),
         (Wrong::LostClears, &["each step is played once"], ""),
         (Wrong::StreamRewinds, &["a stream keeps its position while its timer is stopped"], ""),
         (Wrong::KeepsBurst(1), broken_off, ""),
